@@ -1,0 +1,1 @@
+"""A compact discrete element method: scene in, packing out."""

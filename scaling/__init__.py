@@ -1,0 +1,1 @@
+"""The numeric force equation of a packing and its error theory."""
