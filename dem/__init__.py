@@ -1,1 +1,31 @@
-"""A compact discrete element method: scene in, packing out."""
+"""A compact discrete element method: scene in, packing out.
+
+    packing = relax(Scene(grains=500, delta=1e-4), seed=1)
+
+Units κ = ρ = ⟨σ⟩ = 1, so that the pressure is p = Δ.  This package knows nothing of force
+reconstruction; what it hands on is a record of plain arrays, ``Packing``.
+"""
+
+from dem.ensemble import packing_key, relax_ensemble
+from dem.integrator import step
+from dem.law import ContactLaw, Drive
+from dem.packing import Packing
+from dem.relax import NotRelaxed, relax
+from dem.scene import Scene
+from dem.settings import Settings
+from dem.state import History, State
+
+__all__ = [
+    "ContactLaw",
+    "Drive",
+    "History",
+    "NotRelaxed",
+    "Packing",
+    "Scene",
+    "Settings",
+    "State",
+    "packing_key",
+    "relax",
+    "relax_ensemble",
+    "step",
+]

@@ -1,0 +1,110 @@
+"""Advance a state in time: kernels, neighbour lists and the backend that runs them.
+
+Two backends hold the same kernel: ``"numpy"``, the reference, always there, and ``"numba"``
+(extra ``fast``).  ``"auto"`` takes Numba when it is installed.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.util import find_spec
+from math import isfinite
+from types import ModuleType
+
+import numpy as np
+
+from dem.law import ContactLaw, Drive
+from dem.neighbours import Neighbours, find_neighbours
+from dem.numpy_kernel import Motion, kick
+from dem.state import State
+
+BACKENDS = ("auto", "numpy", "numba")
+
+
+def resolve_backend(backend: str) -> str:
+    """``"numpy"`` or ``"numba"``; ValueError for an unknown name or a missing package."""
+    if backend not in BACKENDS:
+        raise ValueError(f"backend = {backend!r} is not one of {', '.join(BACKENDS)}")
+    has_numba = find_spec("numba") is not None
+    if backend == "numba" and not has_numba:
+        raise ValueError("backend = 'numba' needs the extra 'fast' (package numba)")
+    return ("numba" if has_numba else "numpy") if backend == "auto" else backend
+
+
+def step(
+    state: State,
+    law: ContactLaw,
+    dt: float,
+    *,
+    drive: Drive = Drive(),  # noqa: B008  (frozen)
+    steps: int = 1,
+    skin: float | None = None,
+    backend: str = "auto",
+) -> State:
+    """Advance ``state`` by ``steps`` time steps ``dt``, in place; returns it.
+
+    Positions, velocities and spins are those of one and the same time.  ``skin`` (default: 0.3
+    mean diameters) sets how far a neighbour list looks; it changes the cost, not the result.
+
+    Raises
+    ------
+    ValueError : dt not positive, pressure control without a cell, a cell too narrow for its
+        grains, an unknown backend.
+    FloatingPointError : a position is no longer finite: the time step was too long.
+    """
+    if not (isfinite(dt) and dt > 0):
+        raise ValueError(f"dt = {dt} is not a finite number > 0")
+    if drive.pressure is not None and state.cell is None:
+        raise ValueError(f"pressure = {drive.pressure} asks for a cell, and the state has none")
+    kernel = _kernel(resolve_backend(backend))
+    width = 0.3 * 2 * float(state.radii.mean()) if skin is None else skin
+    near = state._near
+    if not isinstance(near, Neighbours) or near.skin != width:
+        near = find_neighbours(state, width)
+    motion = _motion(state, near)
+    rotates = law.friction > 0
+    forces = state._forces or kernel.contact_forces(motion, near, law, 0.0)
+    kick(motion, forces, drive, 0.5 * dt, 0.0, rotates)
+    drifted = False
+    while steps > 0:
+        done, drifted, forces = kernel.advance(
+            motion, forces, near, law, drive, dt, steps, drifted
+        )
+        steps -= done
+        if drifted:
+            _write_back(state, motion, near)
+            near = find_neighbours(state, width)
+            motion = _motion(state, near)
+    _write_back(state, motion, near)
+    state._near, state._forces = near, forces
+    return state
+
+
+def _kernel(backend: str) -> ModuleType:
+    return import_module(f"dem.{backend}_kernel")
+
+
+def _motion(state: State, near: Neighbours) -> Motion:
+    """The state as the kernels see it, positions and velocities shared, not copied."""
+    mass = state.masses
+    return Motion(
+        z=state.positions.view(complex)[:, 0],
+        v=state.velocities.view(complex)[:, 0],
+        s=state.radii * state.spins,
+        mass=mass,
+        total=float(mass.sum()),
+        area=float(np.prod(near.sides)),
+        scale=near.scale(state),
+        rate=state.strain_rate,
+    )
+
+
+def _write_back(state: State, motion: Motion, near: Neighbours) -> None:
+    if not np.all(np.isfinite(motion.z)):
+        grain = int(np.flatnonzero(~np.isfinite(motion.z))[0])
+        raise FloatingPointError(f"grain {grain} left the plane: the time step is too long")
+    state.spins = motion.s / state.radii
+    state.strain_rate = motion.rate
+    if state.cell is not None:
+        state.cell = np.diag(near.sides * motion.scale)
+    state.history = near.history()

@@ -1,0 +1,64 @@
+"""The forces of the model: contact law and drive.
+
+    normal      f_n = κ δ - c_n dr/dt,  never attractive          δ = σ - r
+    tangential  f_t = k_t u,  |f_t| <= μ f_n,   du/dt = (v_j - v_i)·t - R_i ω_i - R_j ω_j
+    drag        -γ m v  on grains,  -γ I ω on their rotation,  and -γ on the strain rate e
+    cell        W (de/dt + γ e) = Σ f_n r - 2 p A,    W = Σ m ⟨σ⟩²   (intensive time scale)
+
+The drag does the damping.  A contact dashpot is off by default: on the inertial time scale
+it acts as a viscosity ~ Δ^(-1/2), and stiff packings creep for ever (Cundall & Strack,
+Géotechnique 29, 47 (1979), for springs and slider).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, sqrt
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """Linear spring, Cundall-Strack spring and slider, optional normal dashpot.
+
+    ``stiffness`` κ (force per length), ``stiffness_ratio`` k_t/κ, ``friction`` μ, ``dashpot``
+    c_n (mass per time).  With μ = 0 no history exists and grains do not rotate.
+    """
+
+    stiffness: float = 1.0
+    stiffness_ratio: float = 0.5
+    friction: float = 0.3
+    dashpot: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "stiffness_ratio"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value > 0):
+                raise ValueError(f"{name} = {value} is not a finite number > 0")
+        for name in ("friction", "dashpot"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value >= 0):
+                raise ValueError(f"{name} = {value} is not a finite number >= 0")
+
+    @property
+    def tangential(self) -> float:
+        """The tangential stiffness k_t."""
+        return self.stiffness * self.stiffness_ratio
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Drag rate γ (1/time) and target pressure p (None: the cell is fixed)."""
+
+    drag: float = 0.0
+    pressure: float | None = None
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.drag) and self.drag >= 0):
+            raise ValueError(f"drag = {self.drag} is not a finite number >= 0")
+        if self.pressure is not None and not (isfinite(self.pressure) and self.pressure > 0):
+            raise ValueError(f"pressure = {self.pressure} is not a finite number > 0")
+
+
+def stable_time_step(law: ContactLaw, smallest_mass: float, fraction: float) -> float:
+    """``fraction`` of √(m_eff/κ), m_eff = m/2 of two of the lightest grains in contact."""
+    return fraction * sqrt(0.5 * smallest_mass / law.stiffness)

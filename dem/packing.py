@@ -1,0 +1,190 @@
+"""A packing at rest: the record a simulation hands on, and its file.
+
+Signs and order as everywhere: contact (i, j) with i < j, n from i to j, t = n turned by +90°,
+force on i  -f_n n + f_t t,  torque on i and j  R f_t.  Equilibrium of grain i:
+
+    Σ_e (-f_n n + f_t t) s_ie + F_ext,i = 0,      Σ_e R_i f_t,e + T_ext,i = 0.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dem.packing_file import read_record, write_record
+from dem.state import Floats, Ints
+
+#: Largest force or torque residual, in p⟨σ⟩, that still counts as balanced.  Integration to
+#: ⟨v⟩ < 1e-8 leaves ~ 1e-8 Δ^(-1/2); a packing in motion has residuals of order 1.
+BALANCED = 1e-2
+#: A force-bearing contact is no wider open than this many round-off units ε L.
+TOUCHING = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Packing:
+    """Force-bearing contacts between non-rattlers; all grains, in their order.
+
+    ``positions (N, 2)``, ``radii (N,)``, ``cell (2, 2)`` with lattice vectors as rows (None if
+    open), ``pairs (c, 2)``, ``images (c, 2)`` integer shifts of j, ``normal_forces (c,)``,
+    ``tangential_forces (c,)``, ``external (N, 3)`` force and torque, ``stiffness`` κ,
+    ``pressure`` p, ``friction`` μ; ``info``: steps, residuals, seed, settings, versions.
+    Lengths in ⟨σ⟩, forces in κ⟨σ⟩ when made by ``relax``.
+
+    Raises
+    ------
+    ValueError : wrong shapes, NaN, a radius not positive, an unknown grain, a contact that
+        does not touch, a grain whose forces do not balance; each with its number.
+    """
+
+    positions: Floats
+    radii: Floats
+    cell: Floats | None
+    pairs: Ints
+    images: Ints
+    normal_forces: Floats
+    tangential_forces: Floats
+    external: Floats
+    stiffness: float
+    pressure: float
+    friction: float
+    info: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        count, contacts = len(self.radii), len(self.pairs)
+        shapes = {
+            "positions": (count, 2),
+            "radii": (count,),
+            "pairs": (contacts, 2),
+            "images": (contacts, 2),
+            "normal_forces": (contacts,),
+            "tangential_forces": (contacts,),
+            "external": (count, 3),
+        }
+        if self.cell is not None:
+            shapes["cell"] = (2, 2)
+        for name, shape in shapes.items():
+            kind = np.int64 if name in ("pairs", "images") else np.float64
+            array = np.array(getattr(self, name), dtype=kind)
+            if array.shape != shape:
+                raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
+            if nan := np.argwhere(~np.isfinite(array)).tolist():
+                raise ValueError(f"{name}{nan[0]} is {array[tuple(nan[0])]}")
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        if bad := np.flatnonzero(self.radii <= 0).tolist():
+            raise ValueError(f"grain {bad[0]} has radius {self.radii[bad[0]]}, not positive")
+        if self.cell is not None and abs(np.linalg.det(self.cell)) < 1e-12 * np.sum(self.cell**2):
+            raise ValueError(f"cell {self.cell.tolist()} is singular")
+        for name in ("stiffness", "pressure"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
+                raise ValueError(f"{name} = {getattr(self, name)} is not a finite number > 0")
+        if not (np.isfinite(self.friction) and self.friction >= 0):
+            raise ValueError(f"friction = {self.friction} is not a finite number >= 0")
+        self._check_contacts()
+
+    def _check_contacts(self) -> None:
+        outside = (self.pairs < 0) | (self.pairs >= len(self.radii))
+        if bad := np.flatnonzero(outside.any(axis=1)).tolist():
+            raise ValueError(
+                f"contact {bad[0]} names grain {self.pairs[bad[0]].max()}, "
+                f"but there are {len(self.radii)}"
+            )
+        span = float(np.ptp(self.positions, axis=0).max()) if self.cell is None else self.width
+        gap = -self.overlaps
+        allowed = TOUCHING * np.finfo(float).eps * (span + 1)
+        if len(gap) and gap.max() > allowed:
+            e = int(gap.argmax())
+            i, j = self.pairs[e]
+            raise ValueError(f"contact {e} ({i}, {j}) does not touch: it is open by {gap[e]:.3g}")
+        residual = self.residuals()
+        if residual.max(initial=0.0) > BALANCED:
+            grain = int(residual.argmax())
+            raise ValueError(
+                f"the forces on grain {grain} do not balance: "
+                f"residual {residual[grain]:.3g} p⟨σ⟩, allowed {BALANCED}"
+            )
+
+    @property
+    def width(self) -> float:
+        """Length of the longest lattice vector."""
+        assert self.cell is not None
+        return float(np.linalg.norm(self.cell, axis=1).max())
+
+    @property
+    def delta(self) -> float:
+        """Δ = p/κ, the deformation of the grains in mean diameters."""
+        return self.pressure / self.stiffness
+
+    @property
+    def forces(self) -> Floats:
+        """(f_n ; f_t) ``(2c,)``; f_n ``(c,)`` of a frictionless packing."""
+        if self.friction == 0:
+            return self.normal_forces
+        return np.concatenate([self.normal_forces, self.tangential_forces])
+
+    @property
+    def branches(self) -> np.ndarray:
+        """x_j - x_i + image shift ``(c,)`` as complex numbers x + iy."""
+        i, j = self.pairs.T
+        d = self.positions[j] - self.positions[i]
+        if self.cell is not None:
+            d = d + self.images @ self.cell
+        return d[:, 0] + 1j * d[:, 1]
+
+    @property
+    def overlaps(self) -> Floats:
+        """δ = R_i + R_j - r ``(c,)``; the difference loses log10(1/Δ) digits."""
+        i, j = self.pairs.T
+        return self.radii[i] + self.radii[j] - np.abs(self.branches)
+
+    @property
+    def rattlers(self) -> np.ndarray:
+        """Grains without a force-bearing contact ``(N,)`` bool."""
+        return np.bincount(self.pairs.ravel(), minlength=len(self.radii)) == 0
+
+    @property
+    def coordination(self) -> float:
+        """Z = 2c/(grains that bear forces)."""
+        return 2 * len(self.pairs) / max(1, int(np.sum(~self.rattlers)))
+
+    @property
+    def solid_fraction(self) -> float:
+        """Σ π R² / cell area (overlaps counted twice)."""
+        if self.cell is None:
+            raise ValueError("an open packing has no cell to fill")
+        return float(np.pi * np.sum(self.radii**2) / abs(np.linalg.det(self.cell)))
+
+    def residuals(self) -> Floats:
+        """Per grain the larger of |Σ force| and |Σ torque|/R of the stored forces, in p⟨σ⟩."""
+        i, j = self.pairs.T
+        d = self.branches
+        pull = (-self.normal_forces + 1j * self.tangential_forces) * d / np.abs(d)
+        net = self.external[:, 0] + 1j * self.external[:, 1]
+        twist = self.external[:, 2] / self.radii
+        np.add.at(net, i, pull)
+        np.add.at(net, j, -pull)
+        np.add.at(twist, i, self.tangential_forces)
+        np.add.at(twist, j, self.tangential_forces)
+        scale = self.pressure * 2 * self.radii.mean()
+        return np.maximum(np.abs(net), np.abs(twist)) / scale
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write an npz (no pickle), complete or not at all: a new file replaces the old."""
+        arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "info"}
+        write_record(Path(path), {k: v for k, v in arrays.items() if v is not None}, self.info)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Packing:
+        """Read what ``save`` wrote; ValueError for a cut-off, foreign or newer file."""
+        record, info = read_record(Path(path))
+        numbers = {n: float(record[n]) for n in ("stiffness", "pressure", "friction")}
+        arrays: dict[str, Any] = {"cell": None} | record | numbers
+        try:
+            return cls(**arrays, info=info)
+        except TypeError as error:
+            raise ValueError(f"{path} is not a packing of this format: {error}") from error

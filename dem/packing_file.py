@@ -1,0 +1,50 @@
+"""The file of a packing: an npz without pickle, with a format number and ``info`` as JSON.
+
+A file is written beside its target and moved there when it is whole, so that a killed run never
+leaves half a packing under a good name.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+FORMAT = 1
+_NUMBERS = ("stiffness", "pressure", "friction")
+
+
+def write_record(target: Path, arrays: dict[str, Any], info: dict[str, Any]) -> None:
+    """Write ``arrays`` and ``info`` to ``target``; its folder is made if need be."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    with part.open("wb") as stream:
+        np.savez_compressed(stream, format=FORMAT, info=json.dumps(info), **arrays)
+    part.replace(target)
+
+
+def read_record(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Arrays and ``info`` of the packing stored at ``path``.
+
+    Raises ValueError, naming the file, when it is cut off, no npz, no packing, or of another
+    format; FileNotFoundError when there is none.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            record = {name: stored[name] for name in stored.files}
+    except FileNotFoundError:
+        raise
+    except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, OSError, TypeError) as error:
+        raise ValueError(f"{path} is cut off, or not a packing: {error}") from error
+    if "format" not in record:
+        raise ValueError(f"{path} is an npz, but not of a packing: it has no format number")
+    if (number := int(record.pop("format"))) != FORMAT:
+        raise ValueError(f"{path} has format {number}; {FORMAT} is the one known here")
+    if missing := [name for name in (*_NUMBERS, "info") if name not in record]:
+        raise ValueError(f"{path} is not a whole packing: {missing[0]} is missing")
+    return record, json.loads(str(record.pop("info")))

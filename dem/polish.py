@@ -1,0 +1,91 @@
+"""Newton's method on the contacts: from nearly at rest to equilibrium at round-off.
+
+Contacts may open, close, stick and slide on the way (a semi-smooth Newton method, on the
+tangent of ``dem.tangent``).  The last increments are carried in the forces alone: positions
+cannot hold them (they are below one ulp of L), and forces recomputed from positions would be off
+by ~ κ ε L, that is ε L/Δ in units of p.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dem.law import ContactLaw
+from dem.neighbours import Neighbours
+from dem.rest import Rest
+from dem.state import State
+from dem.tangent import Equilibrium, Trial
+
+ITERATIONS = 30
+#: Newton steps without halving the residual before it is taken as stalled.
+PATIENCE = 3
+#: A longer move (mean diameters) means that the tangent is singular: not near rest.
+LONGEST_MOVE = 0.2
+#: Refinements of the forces once positions can do no more.
+REFINEMENTS = 20
+
+
+class PolishFailed(ArithmeticError):
+    """Newton did not converge: the packing was not near enough to rest."""
+
+
+def polish(state: State, near: Neighbours, law: ContactLaw, pressure: float) -> Rest:
+    """Bring ``state`` (changed in place: positions, cell, history) to equilibrium.
+
+    Raises PolishFailed when the tangent is singular or the residual stops falling well above
+    round-off; the state is then as it was.
+    """
+    balance = Equilibrium(state, near, law, pressure)
+    # Positions cannot hold the residual below ~ κ ε L.
+    floor = 2 * law.stiffness * np.finfo(float).eps * float(state.cell.max())  # type: ignore
+    y = np.zeros(3 * len(state.radii) + 1)
+    trial = kept = balance.trial(y)
+    best, stalled, iterations = np.inf, 0, 0
+    while iterations < ITERATIONS:
+        residual = trial.residual(trial.normal, trial.tangential)
+        worst = float(np.abs(residual).max())
+        if worst < 0.5 * best:
+            best, kept, stalled = worst, trial, 0
+        else:
+            stalled += 1
+        if worst <= floor or stalled > PATIENCE:
+            break
+        move = balance.factorise(trial)(residual)
+        if not np.abs(move).max() < LONGEST_MOVE:  # also when it is NaN
+            raise PolishFailed(f"a Newton step of {np.abs(move).max():.3g} ⟨σ⟩")
+        y = y + move
+        trial = balance.trial(y)
+        iterations += 1
+    if best > max(1e-9 * pressure, 100 * floor):
+        raise PolishFailed(f"the residual stays at {best / pressure:.3g} p")
+    rest = _carry(balance, kept, pressure, iterations)
+    _store(state, balance, kept, rest)
+    return rest
+
+
+def _carry(balance: Equilibrium, trial: Trial, pressure: float, iterations: int) -> Rest:
+    """The last increments, in the forces alone: f + df(y), with the positions kept."""
+    on_normal, on_slip, slides = balance.response(trial)
+    normal, tangential = trial.normal, trial.tangential
+    residual = trial.residual(normal, tangential)
+    newton_step = balance.factorise(trial)
+    for _ in range(REFINEMENTS):
+        y = newton_step(residual)
+        stretched, slipped = trial.m_n.T @ y, -(trial.m_t.T @ y)
+        new_normal = normal + on_normal * stretched
+        new_tangential = tangential + on_slip * slipped + slides * stretched
+        new_residual = trial.residual(new_normal, new_tangential)
+        if np.abs(new_residual).max() >= np.abs(residual).max():
+            break
+        normal, tangential, residual = new_normal, new_tangential, new_residual
+    worst = float(np.abs(residual).max()) / pressure
+    return Rest(normal, tangential, trial.bearing, worst, iterations)
+
+
+def _store(state: State, balance: Equilibrium, trial: Trial, rest: Rest) -> None:
+    near = balance.near
+    state.positions = np.column_stack([trial.z.real, trial.z.imag])
+    state.cell = np.diag(near.sides * balance.scale * trial.stretch)
+    near.elongation[:] = rest.tangential / balance.law.tangential
+    state.history = near.history()
+    state._near = state._forces = None

@@ -1,0 +1,162 @@
+"""From scene to packing: compress a loose gas under pressure and drag until it rests.
+
+The clock of the problem is the inertial time ⟨σ⟩√(ρ/p), that of the integrator √(m/κ); their
+ratio Δ^(-1/2) is the number of steps, up to a factor.  Integration ends when the mean speed is
+below ``Settings.speed`` √(p/ρ); Newton's method on the contacts does the rest.  Where it fails
+(a contact still on its way), integration goes on to a ten times smaller speed and it is tried
+again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from importlib.metadata import version
+from math import sqrt
+
+import numpy as np
+
+from dem.integrator import resolve_backend, step
+from dem.law import ContactLaw, Drive, stable_time_step
+from dem.neighbours import Neighbours
+from dem.packing import Packing
+from dem.polish import PolishFailed, polish
+from dem.progress import RestBar
+from dem.rest import Rest, rest_as_is
+from dem.scene import Scene
+from dem.settings import Settings
+from dem.start import loose_state
+from dem.state import State
+
+#: Steps between two looks at the speed.
+STRIDE = 200
+#: The pressure must have arrived, too: a gas at rest is not a packing.
+PRESSURE_TOLERANCE = 0.01
+#: Below this speed (in √(p/ρ)) the polish is not tried again.
+SLOWEST = 1e-12
+
+
+class NotRelaxed(RuntimeError):
+    """The packing did not come to rest; carries the ``state`` reached, ``speed``, ``residual``."""
+
+    def __init__(self, message: str, state: State, speed: float, residual: float) -> None:
+        super().__init__(message)
+        self.state, self.speed, self.residual = state, speed, residual
+
+
+def relax(
+    scene: Scene,
+    seed: int,
+    *,
+    settings: Settings = Settings(),  # noqa: B008  (frozen)
+    progress: bool | None = None,
+) -> Packing:
+    """A packing of ``scene``, from random positions drawn with ``seed``.
+
+    Same scene, seed, settings and backend: the same packing, bit for bit, on the same machine.
+    ``progress``: None shows a bar on a terminal only, False never.
+
+    Raises
+    ------
+    ValueError : a scene whose cell is too narrow for its grains, or a negative seed.
+    NotRelaxed : rest was not reached within ``settings.longest`` inertial times.
+    """
+    state = loose_state(scene, np.random.default_rng(seed))
+    inertial = 1 / sqrt(scene.pressure)
+    mass = float(np.pi * np.mean(state.radii) ** 2)
+    law = ContactLaw(
+        stiffness_ratio=scene.stiffness_ratio,
+        friction=scene.friction,
+        dashpot=settings.dashpot * sqrt(mass),
+    )
+    drive = Drive(drag=settings.drag / inertial, pressure=scene.pressure)
+    dt = stable_time_step(law, float(state.masses.min()), settings.time_step)
+    limit = int(np.ceil(settings.longest * inertial / dt))
+    target, steps, speed, why = settings.speed, 0, np.inf, ""
+    with RestBar(scene.delta, target, limit, progress) as bar:
+        while steps < limit and target > SLOWEST:
+            step(
+                state, law, dt, drive=drive, steps=STRIDE,
+                skin=settings.skin, backend=settings.backend,
+            )  # fmt: skip
+            steps += STRIDE
+            speed = _speed(state) * inertial
+            bar.show(steps, speed)
+            if speed > target or _pressure_error(state, scene) > PRESSURE_TOLERANCE:
+                continue
+            try:
+                near, rest = _settle(state, law, scene, settings)
+            except PolishFailed as failure:
+                target, why = target / 10, f"; Newton: {failure}"
+                continue
+            packing = _packing(scene, seed, settings, state, near, rest)
+            packing.info.update(steps=steps, speed=speed, inertial_times=steps * dt / inertial)
+            return packing
+    residual = _force_residual(state, law, scene)
+    raise NotRelaxed(
+        f"Δ = {scene.delta:g}, N = {scene.grains}, seed {seed}: mean speed {speed:.2e} √(p/ρ) "
+        f"after {steps} steps, wanted {settings.speed:.0e}; largest force residual "
+        f"{residual:.2e} p{why}. Allow more time (longest = {settings.longest:g}), a drag nearer "
+        f"1 (now {settings.drag:g}), or no dashpot (now {settings.dashpot:g})",
+        state,
+        speed,
+        residual,
+    )
+
+
+def _speed(state: State) -> float:
+    """Mean speed of the grains, or that of the cell if it moves faster."""
+    return float(max(np.linalg.norm(state.velocities, axis=1).mean(), abs(state.strain_rate)))
+
+
+def _pressure_error(state: State, scene: Scene) -> float:
+    assert state.cell is not None
+    virial = state._forces.virial
+    return abs(float(virial) / (2 * float(np.prod(np.diag(state.cell)))) / scene.pressure - 1)
+
+
+def _force_residual(state: State, law: ContactLaw, scene: Scene) -> float:
+    pull = state._forces.pull
+    return float(np.abs(pull).max() / scene.pressure)
+
+
+def _settle(
+    state: State, law: ContactLaw, scene: Scene, settings: Settings
+) -> tuple[Neighbours, Rest]:
+    """Forces on the listed contacts: polished, or as the integration left them."""
+    near = state._near
+    assert isinstance(near, Neighbours)
+    if not settings.polish:
+        return near, rest_as_is(state, near, law)
+    rest = polish(state, near, law, scene.pressure)
+    if rest.residual > settings.residual_tolerance:
+        raise PolishFailed(f"residual {rest.residual:.2e} p")
+    return near, rest
+
+
+def _packing(
+    scene: Scene, seed: int, settings: Settings, state: State, near: Neighbours, rest: Rest
+) -> Packing:
+    bearing = rest.bearing
+    packing = Packing(
+        positions=state.positions,
+        radii=state.radii,
+        cell=state.cell,
+        pairs=near.pairs[bearing],
+        images=near.images[bearing],
+        normal_forces=rest.normal[bearing],
+        tangential_forces=rest.tangential[bearing],
+        external=np.zeros((scene.grains, 3)),
+        stiffness=1.0,
+        pressure=scene.pressure,
+        friction=scene.friction,
+        info={
+            "scene": asdict(scene),
+            "seed": seed,
+            "settings": asdict(settings),
+            "backend": resolve_backend(settings.backend),
+            "newton": rest.iterations,
+            "versions": {"numpy": np.__version__, "packing-forces": version("packing-forces")},
+        },
+    )
+    packing.info["residual"] = float(packing.residuals().max())
+    return packing

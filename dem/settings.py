@@ -1,0 +1,65 @@
+"""How a packing is brought to rest: numerical settings, apart from the physics of the scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+
+from dem.integrator import resolve_backend
+
+#: A time step above this fraction of √(m_eff/κ) does not come to rest (2 is the stability limit
+#: of a single contact, and a grain has several).
+LONGEST_TIME_STEP = 0.5
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Numerical settings of ``relax``; the defaults are those of the published figures.
+
+    Parameters
+    ----------
+    time_step : in units of √(m_eff/κ), m_eff half the mass of the lightest grain.
+    drag : rate of the viscous drag on grains, rotation and cell, in √(p/ρ)/⟨σ⟩.
+    dashpot : normal contact dashpot in units of √(m κ) of a mean grain; keep it 0 (see ``law``).
+    velocity_tolerance : mean speed, in ⟨σ⟩√(p/ρ)/⟨σ⟩, at which integration ends.  None: 1e-5
+        with the polish, else the Comment's 1e-8.
+    residual_tolerance : largest force or torque residual of a polished packing, in p⟨σ⟩.
+    skin : width of the neighbour list beyond touching, in ⟨σ⟩.
+    polish : end with Newton's method on the contacts.
+    longest : inertial times ⟨σ⟩√(ρ/p) after which relaxation is given up.
+    backend : "auto", "numpy" or "numba".
+    """
+
+    time_step: float = 0.2
+    drag: float = 1.0
+    dashpot: float = 0.0
+    velocity_tolerance: float | None = None
+    residual_tolerance: float = 1e-9
+    skin: float = 0.2
+    polish: bool = True
+    longest: float = 3000.0
+    backend: str = "auto"
+
+    def __post_init__(self) -> None:
+        resolve_backend(self.backend)
+        positive = ["time_step", "residual_tolerance", "skin", "longest", "drag"]
+        if self.velocity_tolerance is not None:
+            positive.append("velocity_tolerance")
+        for name in positive:
+            value = getattr(self, name)
+            if not (isfinite(value) and value > 0):
+                raise ValueError(f"{name} = {value} is not a finite number > 0")
+        if not (isfinite(self.dashpot) and self.dashpot >= 0):
+            raise ValueError(f"dashpot = {self.dashpot} is not a finite number >= 0")
+        if self.time_step > LONGEST_TIME_STEP:
+            raise ValueError(
+                f"time_step = {self.time_step} exceeds {LONGEST_TIME_STEP} √(m_eff/κ): "
+                "the packing would not come to rest"
+            )
+
+    @property
+    def speed(self) -> float:
+        """The mean speed at which integration ends, in √(p/ρ)."""
+        if self.velocity_tolerance is not None:
+            return self.velocity_tolerance
+        return 1e-5 if self.polish else 1e-8

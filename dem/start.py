@@ -1,0 +1,54 @@
+"""A loose gas of disks without overlaps: where every packing starts.
+
+Points thrown at random, then pushed apart pairwise until no two grains overlap.  At the
+starting fraction of 0.70 a frictional packing (0.80 and more) is still a few percent of
+strain away, and the pushing converges within some hundred sweeps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dem.neighbours import find_neighbours
+from dem.scene import Scene
+from dem.state import State
+
+#: Area fraction of the start.
+LOOSE_FRACTION = 0.70
+#: Grains are pushed to this multiple of touching, so that the last pushes end at a finite gap.
+CLEARANCE = 1.004
+SWEEPS = 20_000
+
+
+def loose_state(scene: Scene, rng: np.random.Generator) -> State:
+    """Radii, cell and non-overlapping positions for ``scene``, mean diameter 1.
+
+    Raises ValueError when the cell is too narrow for the grains.
+    """
+    spread = scene.polydispersity
+    radii = 0.5 * (1 + spread * rng.uniform(-1, 1, scene.grains))
+    radii *= 0.5 / radii.mean()
+    area = np.pi * np.sum(radii**2) / LOOSE_FRACTION
+    sides = np.sqrt(area) * np.array([scene.aspect**0.5, scene.aspect**-0.5])
+    state = State(rng.uniform(0, 1, (scene.grains, 2)) * sides, radii, cell=np.diag(sides))
+    for _ in range(SWEEPS):
+        if not _push_apart(state):
+            return state
+    raise ValueError(
+        f"{scene.grains} grains of polydispersity {spread} found no loose start "
+        f"at area fraction {LOOSE_FRACTION}"
+    )
+
+
+def _push_apart(state: State) -> bool:
+    """One sweep; False when nothing overlaps any more."""
+    near = find_neighbours(state, (CLEARANCE - 1) * 2 * float(state.radii.max()))
+    z = state.positions.view(complex)[:, 0]
+    i, j = near.columns
+    d = z[j] - z[i] + near.shift
+    r = np.abs(d)
+    if np.all(r >= near.sigma):
+        return False
+    overlap = np.maximum(CLEARANCE * near.sigma - r, 0.0)
+    z += 0.3 * (near.incidence @ (-overlap * d / r))
+    return True

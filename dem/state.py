@@ -1,0 +1,87 @@
+"""Grains in motion: the state of the integrator.
+
+Positions are unwrapped; the cell is a rectangle (rows of ``cell`` are the lattice vectors,
+None for an unbounded plane).  Velocities are peculiar, that is, without the affine motion
+e x of a cell that strains at rate e.  The density is 1 per unit area: m = π R², I = m R²/2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass
+class History:
+    """Tangential elongations ``u (c,)`` of the contacts ``(i, j, image)`` that carry them."""
+
+    pairs: Ints = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    images: Ints = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    elongations: Floats = field(default_factory=lambda: np.empty(0))
+
+
+@dataclass
+class State:
+    """Positions ``(N, 2)``, radii ``(N,)``, velocities ``(N, 2)``, spins ``(N,)`` and the cell.
+
+    ``step`` advances a state in place and owns its arrays; to change one by hand build a new
+    one (``dataclasses.replace``).  Lengths in any unit, with mass π R².
+
+    Raises
+    ------
+    ValueError : naming the grain and the number (NaN, radius not positive, wrong shape,
+        a cell that is singular or not rectangular).
+    """
+
+    positions: Floats
+    radii: Floats
+    velocities: Floats = None  # type: ignore[assignment]  # None: at rest
+    spins: Floats = None  # type: ignore[assignment]
+    cell: Floats | None = None
+    strain_rate: float = 0.0
+    history: History = field(default_factory=History)
+
+    def __post_init__(self) -> None:
+        self.radii = _vector("radii", self.radii, None)
+        count = len(self.radii)
+        self.positions = _vector("positions", self.positions, (count, 2))
+        zero = np.zeros((count, 2))
+        velocities = zero if self.velocities is None else self.velocities
+        self.velocities = _vector("velocities", velocities, (count, 2))
+        spins = np.zeros(count) if self.spins is None else self.spins
+        self.spins = _vector("spins", spins, (count,))
+        if bad := np.flatnonzero(self.radii <= 0).tolist():
+            raise ValueError(f"grain {bad[0]} has radius {self.radii[bad[0]]}, not positive")
+        if self.cell is not None:
+            self.cell = _vector("cell", self.cell, (2, 2))
+            if self.cell[0, 1] or self.cell[1, 0] or np.min(np.diag(self.cell)) <= 0:
+                raise ValueError(f"cell {self.cell.tolist()} is not a rectangle of positive sides")
+        # Workspace of `step`: neighbour list and the forces at the present positions.
+        self._near: Any = None
+        self._forces: Any = None
+
+    @property
+    def masses(self) -> Floats:
+        """Masses m = π R² ``(N,)``."""
+        return np.pi * self.radii**2
+
+    @property
+    def kinetic_energy(self) -> float:
+        """Σ ½ m v² + ½ I ω², I = m R²/2."""
+        speed2 = np.sum(np.square(self.velocities), axis=1)
+        return float(0.5 * self.masses @ (speed2 + 0.5 * np.square(self.radii * self.spins)))
+
+
+def _vector(name: str, value: object, shape: tuple[int, ...] | None) -> Floats:
+    array = np.array(value, dtype=np.float64, order="C")
+    if array.shape != (shape or (array.size,)):
+        raise ValueError(f"{name} has shape {array.shape}, expected {shape or '(N,)'}")
+    if bad := np.argwhere(~np.isfinite(array)).tolist():
+        raise ValueError(f"{name}{bad[0]} is {array[tuple(bad[0])]}")
+    return array
