@@ -1,0 +1,177 @@
+"""Ensembles: any executor, stored as finished, resumed, and never a damaged file loaded."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dem.ensemble as ensemble
+from dem import Packing, Scene, Settings, packing_key, relax, relax_ensemble
+
+SETTINGS = Settings(backend="numpy")
+SCENES = [Scene(24, 1e-2), Scene(20, 1e-1), Scene(24, 1e-2)]
+SEEDS = [1, 2, 3]
+
+
+@pytest.fixture(scope="module")
+def expected() -> list[Packing]:
+    return [
+        relax(s, n, settings=SETTINGS, progress=False) for s, n in zip(SCENES, SEEDS, strict=True)
+    ]
+
+
+def same(one: list[Packing], two: list[Packing]) -> bool:
+    return all(
+        np.array_equal(p.positions, q.positions) and np.array_equal(p.forces, q.forces)
+        for p, q in zip(one, two, strict=True)
+    )
+
+
+def test_order_is_kept_in_this_process(expected):
+    assert same(relax_ensemble(SCENES, SEEDS, settings=SETTINGS, progress=False), expected)
+
+
+@pytest.mark.parametrize("pool", [ProcessPoolExecutor, ThreadPoolExecutor])
+def test_any_executor_gives_the_same_packings(expected, pool):
+    with pool(2) as executor:
+        found = relax_ensemble(SCENES, SEEDS, executor=executor, settings=SETTINGS, progress=False)
+    assert same(found, expected)
+
+
+def test_dask_cluster(expected, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
+            local_directory=str(tmp_path),
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):  # fmt: skip
+        found = relax_ensemble(
+            SCENES, SEEDS, executor=client.get_executor(), settings=SETTINGS, progress=False
+        )
+    assert same(found, expected)
+
+
+class Counting(Executor):
+    """Runs at once, and counts."""
+
+    def __init__(self) -> None:
+        self.calls: list[int] = []
+
+    def submit(self, fn, /, scene, seed, **kwargs):
+        self.calls.append(seed)
+        future: Future = Future()
+        try:
+            future.set_result(fn(scene, seed, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+def test_store_is_used_and_resumed(expected, tmp_path):
+    first = Counting()
+    relax_ensemble(
+        SCENES[:2], SEEDS[:2], executor=first, store=tmp_path, settings=SETTINGS, progress=False
+    )
+    again = Counting()
+    found = relax_ensemble(
+        SCENES, SEEDS, executor=again, store=tmp_path, settings=SETTINGS, progress=False
+    )
+    assert sorted(first.calls) == [1, 2]
+    assert again.calls == [3]
+    assert same(found, expected)
+
+
+def test_cut_off_file_is_detected_and_computed_again(expected, tmp_path):
+    relax_ensemble(SCENES, SEEDS, store=tmp_path, settings=SETTINGS, progress=False)
+    victim = tmp_path / f"{packing_key(SCENES[1], SEEDS[1], SETTINGS)}.npz"
+    victim.write_bytes(victim.read_bytes()[:200])
+    counting = Counting()
+    with pytest.warns(UserWarning, match=rf"{victim.name} is cut off"):
+        found = relax_ensemble(
+            SCENES, SEEDS, executor=counting, store=tmp_path, settings=SETTINGS, progress=False
+        )
+    assert counting.calls == [2]
+    assert same(found, expected)
+    Packing.load(victim)
+
+
+def test_one_failure_does_not_lose_the_others(tmp_path):
+    """The failing scene is named at the end, when the rest is in the store."""
+    scenes = [Scene(24, 1e-1), Scene(3, 1e-1), Scene(24, 1e-1)]
+    with pytest.raises(ValueError, match="less than twice the range"):
+        relax_ensemble(
+            scenes, SEEDS, executor=Counting(), store=tmp_path, settings=SETTINGS, progress=False
+        )
+    assert len(list(tmp_path.glob("*.npz"))) == 2
+
+
+KILLED = """
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from dem import Scene, Settings, relax_ensemble
+if __name__ == "__main__":
+    scenes = [Scene(24, 1e-2), Scene(24, 1e-2), Scene(24, 1e-2), Scene(200, 1e-6)]
+    with ProcessPoolExecutor(2) as pool:
+        relax_ensemble(scenes, range(4), executor=pool, store=sys.argv[1],
+                       settings=Settings(backend="numpy"), progress=False)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kills a process group")
+def test_killed_run_loses_only_what_was_in_flight(tmp_path):
+    script, store = tmp_path / "run.py", tmp_path / "store"
+    script.write_text(KILLED)
+    run = subprocess.Popen([sys.executable, str(script), str(store)], start_new_session=True)
+    try:
+        deadline = time.monotonic() + 60
+        while len(list(store.glob("*.npz"))) < 3:
+            assert run.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+    finally:
+        os.killpg(run.pid, signal.SIGKILL)
+        run.wait()
+    kept = sorted(store.glob("*.npz"))
+    assert len(kept) == 3
+    for file in kept:
+        Packing.load(file)
+    counting = Counting()
+    relax_ensemble(
+        [Scene(24, 1e-2)] * 3, range(3), executor=counting, store=store,
+        settings=SETTINGS, progress=False,
+    )  # fmt: skip
+    assert counting.calls == []
+
+
+def test_key_tells_apart_all_that_decides_a_packing(monkeypatch):
+    scene = Scene(24, 1e-2)
+    keys = {
+        packing_key(scene, 1, SETTINGS),
+        packing_key(scene, 2, SETTINGS),
+        packing_key(Scene(24, 1e-2, friction=0.2), 1, SETTINGS),
+        packing_key(scene, 1, Settings(backend="numpy", polish=False)),
+    }
+    monkeypatch.setattr(ensemble, "ALGORITHM", -1)
+    keys.add(packing_key(scene, 1, SETTINGS))
+    assert len(keys) == 5
+    assert packing_key(scene, 1, SETTINGS) == packing_key(scene, 1, SETTINGS)
+
+
+def test_scenes_and_seeds_must_pair_up():
+    with pytest.raises(ValueError, match="shorter"):
+        relax_ensemble(SCENES, [1], settings=SETTINGS)
+
+
+def test_quiet_when_output_is_no_terminal(capfd, tmp_path: Path):
+    relax_ensemble(SCENES[:1], SEEDS[:1], settings=SETTINGS, store=tmp_path)
+    assert capfd.readouterr() == ("", "")
