@@ -1,0 +1,123 @@
+"""What a contact network must satisfy before any equation is written for it.
+
+Every refusal is a ``ValueError`` that names the grain or the contact and the number.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# A measured direction may be rounded, but a vector off by more than this is not a direction.
+_UNIT_SLACK = 0.01
+
+
+def frozen(array: NDArray) -> NDArray:
+    """A read-only view of `array`."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+def finite(name: str, of: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """`values` as a float array of the given shape without NaN or infinity."""
+    array = np.array(values, dtype=float)
+    if array.shape != shape:
+        raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
+    bad = ~np.isfinite(array)
+    if bad.any():
+        at = np.argwhere(bad)[0]
+        raise ValueError(f"{name} of {of} {at[0]} is {array[tuple(at)]}")
+    return array
+
+
+def integer(name: str, values: ArrayLike) -> Integers:
+    """`values` as (c, 2) integers; floats are accepted if they are whole numbers."""
+    array = np.asarray(values)
+    if array.size == 0:
+        return np.zeros((0, 2), dtype=np.int64)
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise ValueError(f"{name} has shape {array.shape}, expected (contacts, 2)")
+    whole = np.asarray(array, dtype=float)
+    bad = ~np.isfinite(whole) | (whole != np.round(whole))
+    if bad.any():
+        e, k = np.argwhere(bad)[0]
+        raise ValueError(f"{name} of contact {e} is {array[e, k]}, not an integer")
+    return array.astype(np.int64)
+
+
+def radii_of_grains(radii: ArrayLike) -> Floats:
+    """Radii, all finite and positive."""
+    array = np.asarray(radii, dtype=float)
+    if array.ndim != 1 or array.size == 0:
+        raise ValueError(f"radii has shape {array.shape}, expected (grains,) with grains >= 1")
+    array = finite("radius", "grain", array, array.shape)
+    if (array <= 0).any():
+        i = int(np.argmax(array <= 0))
+        raise ValueError(f"radius of grain {i} is {array[i]}, it must be positive")
+    return array
+
+
+def lattice(cell: ArrayLike) -> Floats:
+    """A periodic cell: two independent lattice vectors as rows; a sheared one is legitimate."""
+    array = np.array(cell, dtype=float)
+    if array.shape != (2, 2):
+        raise ValueError(f"cell has shape {array.shape}, expected (2, 2), rows = lattice vectors")
+    if not np.isfinite(array).all():
+        raise ValueError(f"cell {array.tolist()} is not finite")
+    area = abs(float(np.linalg.det(array)))
+    if area <= 1e-12 * np.linalg.norm(array[0]) * np.linalg.norm(array[1]):
+        raise ValueError(f"cell {array.tolist()} is singular: its area is {area:.3g}")
+    return array
+
+
+def contacts(pairs: Integers, images: Integers, grains: int) -> None:
+    """Refuse unknown grains, wrong order, a grain touching itself, and duplicates."""
+    if images.shape != pairs.shape:
+        raise ValueError(f"images has shape {images.shape}, expected {pairs.shape} as pairs")
+    unknown = (pairs < 0) | (pairs >= grains)
+    if unknown.any():
+        e, k = np.argwhere(unknown)[0]
+        raise ValueError(
+            f"contact {e} names grain {pairs[e, k]}, but the grains are 0 ... {grains - 1}"
+        )
+    i, j = pairs.T
+    if (i > j).any():
+        e = int(np.argmax(i > j))
+        raise ValueError(
+            f"contact {e} is ({i[e]}, {j[e]}): contacts are ordered i <= j; "
+            f"give it as ({j[e]}, {i[e]}) with the image negated"
+        )
+    itself = (i == j) & ~images.any(axis=1)
+    if itself.any():
+        e = int(np.argmax(itself))
+        raise ValueError(f"contact {e} joins grain {i[e]} to itself with image (0, 0)")
+    # A grain touches its own image m and its own image -m in one and the same contact.
+    flip = (i == j) & ((images[:, 0] < 0) | ((images[:, 0] == 0) & (images[:, 1] < 0)))
+    keys = np.column_stack([pairs, np.where(flip[:, None], -images, images)])
+    _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    original = first[np.reshape(inverse, -1)]
+    again = original != np.arange(len(pairs))
+    if again.any():
+        e = int(np.argmax(again))
+        raise ValueError(
+            f"contact {e} repeats contact {original[e]}: grains ({i[e]}, {j[e]}), "
+            f"image {tuple(images[e].tolist())}"
+        )
+
+
+def directions(normals: ArrayLike, contacts: int) -> Floats:
+    """Measured contact directions, (c, 2), brought to unit length."""
+    array = finite("normal", "contact", normals, (contacts, 2))
+    length = np.hypot(*array.T)
+    bad = abs(length - 1) > _UNIT_SLACK
+    if bad.any():
+        e = int(np.argmax(bad))
+        raise ValueError(f"normal of contact {e} has length {length[e]:.6g}, not 1")
+    # Already unit vectors keep their last bit.
+    rounded = abs(length - 1) > 4 * np.finfo(float).eps
+    array[rounded] /= length[rounded, None]
+    return array

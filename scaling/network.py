@@ -1,0 +1,284 @@
+"""The contact network: who touches whom, in which direction, and how large the grains are.
+
+::
+
+        t_e (n_e turned by +90°)
+         ^
+         |
+   (i)---+--->  n_e = (x_j - x_i)/r_e ,  r_e = |x_j - x_i + image shift|
+              (j)
+   force on i:  -f_n n + f_t t      force on j: the opposite
+   torque on i:  R_i f_t            torque on j:  R_j f_t      (the same sign)
+   f_n >= 0 is compression
+   overlap  delta_e = sigma_e - r_e ,  sigma_e = R_i + R_j
+
+This drawing is the one sign convention of the package.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaling import checks, subnetwork
+from scaling.checks import Floats, Integers, frozen
+from scaling.loops import Loops, faces
+from scaling.windings import Forest, spanning_forest, winding_loops
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class ContactNetwork:
+    """What an experimenter measures: contacts, directions, sizes, loads. Immutable.
+
+    Parameters
+    ----------
+    positions : (N, 2) centres, or None when `normals` are given
+    radii : (N,), positive
+    pairs : (c, 2) grains i <= j of each contact; i = j only with a non-zero image.
+        Pairs with i > j are refused: turning them round would silently change the meaning of
+        `images` and `normals`.
+    cell : (2, 2), rows are the lattice vectors, or None for an open network
+    images : (c, 2) integers: contact e joins x_i to x_j + images[e] @ cell. None in a periodic
+        cell means the nearest image of each pair.
+    external : (N, 3) force and torque on each grain, default none
+    normals : (c, 2) unit vectors, when directions were measured themselves; they then
+        stand for the directions and `positions` (if any) for the distances only
+
+    Lengths, forces: any consistent units. Grains without contacts and negative overlaps
+    are legitimate. ValueError: bad input, naming grain or contact and number.
+    """
+
+    positions: Floats | None
+    radii: Floats
+    pairs: Integers
+    cell: Floats | None
+    images: Integers
+    external: Floats
+    normals: Floats
+    contact_index: Integers
+    """(c,) contacts of the network this one was cut from; 0 ... c-1 if it was not cut."""
+    _directions_measured: bool
+    # What depends on pairs and directions alone (loops, matrices, factorisations), shared with the
+    # networks that differ in sizes and loads only.
+    _geometry: dict[Any, Any]
+
+    def __init__(
+        self,
+        positions: ArrayLike | None,
+        radii: ArrayLike,
+        pairs: ArrayLike,
+        *,
+        cell: ArrayLike | None = None,
+        images: ArrayLike | None = None,
+        external: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
+    ) -> None:
+        R = checks.radii_of_grains(radii)
+        N = len(R)
+        ij = checks.integer("pairs", pairs)
+        H = None if cell is None else checks.lattice(cell)
+        x = None if positions is None else checks.finite("position", "grain", positions, (N, 2))
+        if images is None and H is not None and len(ij):
+            if x is None:
+                raise ValueError("a periodic network without positions needs images")
+            checks.contacts(ij, np.ones_like(ij), N)  # the grains must exist before their images
+            m = _nearest_images(x, ij, H)
+        else:
+            m = np.zeros_like(ij) if images is None else checks.integer("images", images)
+        checks.contacts(ij, m, N)
+        if H is None and m.any():
+            e = int(np.argmax(m.any(axis=1)))
+            raise ValueError(f"contact {e} has image {tuple(m[e].tolist())} but there is no cell")
+        if normals is not None:
+            n = checks.directions(normals, len(ij))
+        elif x is None:
+            raise ValueError("give positions, or normals, or both")
+        else:
+            n = _normals(x, ij, m, H)
+        F = np.zeros((N, 3))
+        if external is not None:
+            F = checks.finite("external load", "grain", external, (N, 3))
+        self._set(
+            positions=None if x is None else frozen(x),
+            radii=frozen(R),
+            pairs=frozen(ij),
+            cell=None if H is None else frozen(H),
+            images=frozen(m),
+            external=frozen(F),
+            normals=frozen(n),
+            contact_index=frozen(np.arange(len(ij))),
+            _directions_measured=normals is not None,
+            _geometry={},
+        )
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_packing(cls, packing: Any) -> ContactNetwork:
+        """The network of anything with `positions`, `radii` and `pairs`.
+
+        Also read, if it has them: `cell`, `images`, `external`.
+        """
+        optional = {k: getattr(packing, k, None) for k in ("cell", "images", "external")}
+        return cls(packing.positions, packing.radii, packing.pairs, **optional)
+
+    def __repr__(self) -> str:
+        kind = "open" if self.cell is None else "periodic"
+        return f"ContactNetwork({self.grains} grains, {self.contacts} contacts, {kind})"
+
+    # --- counts ---------------------------------------------------------------------------
+
+    @property
+    def grains(self) -> int:
+        """N, all grains, those without contacts too."""
+        return len(self.radii)
+
+    @property
+    def contacts(self) -> int:
+        """The number of contacts, c."""
+        return len(self.pairs)
+
+    @cached_property
+    def degrees(self) -> Integers:
+        """(N,) contacts per grain; one with the grain's own image counts twice."""
+        return frozen(np.bincount(self.pairs.ravel(), minlength=self.grains))
+
+    @cached_property
+    def active(self) -> Integers:
+        """Grains with at least one contact: those that have rows in the equation."""
+        return frozen(np.flatnonzero(self.degrees))
+
+    @property
+    def coordination(self) -> float:
+        """Z: mean number of contacts of the grains that have any."""
+        return 2 * self.contacts / len(self.active) if self.contacts else 0.0
+
+    @property
+    def components(self) -> int:
+        """Connected parts, not counting grains without contacts."""
+        return len(np.unique(self.forest.component[self.active]))
+
+    @property
+    def faces(self) -> int:
+        """Number of loops: c - N on a torus, c - N + 1 for one open component."""
+        return len(self.loops)
+
+    @property
+    def euler(self) -> int:
+        """V - E + F: 0 on a torus, else the number of open components."""
+        return len(self.active) - self.contacts + self.faces
+
+    # --- geometry -------------------------------------------------------------------------
+
+    @cached_property
+    def tangents(self) -> Floats:
+        """(c, 2) normals turned by +90°."""
+        return frozen(np.column_stack([-self.normals[:, 1], self.normals[:, 0]]))
+
+    @cached_property
+    def sigma(self) -> Floats:
+        """(c,) R_i + R_j."""
+        return frozen(self.radii[self.pairs].sum(axis=1))
+
+    @cached_property
+    def distances(self) -> Floats:
+        """(c,) centre to centre, r_e. ValueError when only directions were measured."""
+        if self.positions is None:
+            raise ValueError("distances need positions: this network has directions only")
+        branch = _branches(self.positions, self.pairs, self.images, self.cell)
+        return frozen(np.hypot(*branch.T))
+
+    @property
+    def overlaps(self) -> Floats:
+        """(c,) δ = σ - r. A difference of O(1) numbers: it keeps log10(1/Δ) digits fewer."""
+        if self.positions is None:
+            raise ValueError("overlaps need positions: this network has directions only")
+        return self.sigma - self.distances
+
+    @property
+    def mean_diameter(self) -> float:
+        """⟨σ⟩ over all grains, the unit in which ξ is given."""
+        return 2 * float(self.radii.mean())
+
+    # --- topology -------------------------------------------------------------------------
+
+    @property
+    def loops(self) -> Loops:
+        """The faces, counter-clockwise: see `scaling.loops.faces`."""
+        return self._from_geometry("loops", faces)
+
+    @property
+    def windings(self) -> Loops:
+        """Two loops round the periodic cell (none if open): see `scaling.windings`."""
+        return self._from_geometry("windings", winding_loops)
+
+    @property
+    def forest(self) -> Forest:
+        """A breadth-first spanning tree of each component."""
+        return self._from_geometry("forest", spanning_forest)
+
+    def _from_geometry(self, key: Any, make: Any) -> Any:
+        if key not in self._geometry:
+            self._geometry[key] = make(self)
+        return self._geometry[key]
+
+    # --- other networks from this one -----------------------------------------------------
+
+    def with_sizes(self, radii: ArrayLike, external: ArrayLike | None = None) -> ContactNetwork:
+        """The same contacts and directions with other radii (and loads); shares what it can."""
+        R = checks.radii_of_grains(radii)
+        if R.shape != self.radii.shape:
+            raise ValueError(f"radii has shape {R.shape}, expected {self.radii.shape}")
+        F = self.external
+        if external is not None:
+            F = checks.finite("external load", "grain", external, self.external.shape)
+        new = object.__new__(ContactNetwork)
+        new.__dict__.update(self.__dict__)
+        new.__dict__.pop("sigma", None)
+        new._set(radii=frozen(R), external=frozen(F))
+        return new
+
+    def without_rattlers(self, frictional: bool = True) -> ContactNetwork:
+        """Without the contacts of rattlers: see `scaling.subnetwork.without_rattlers`."""
+        return subnetwork.without_rattlers(self, frictional)
+
+    def inside(
+        self,
+        mask: ArrayLike,
+        normal_forces: ArrayLike | None = None,
+        tangential_forces: ArrayLike | None = None,
+    ) -> ContactNetwork:
+        """The part on the grains of `mask`: see `scaling.subnetwork.inside`."""
+        return subnetwork.inside(self, mask, normal_forces, tangential_forces)
+
+
+def _branches(x: Floats, pairs: Integers, images: Integers, cell: Floats | None) -> Floats:
+    branch = x[pairs[:, 1]] - x[pairs[:, 0]]
+    return branch if cell is None else branch + images @ cell
+
+
+def _normals(x: Floats, pairs: Integers, images: Integers, cell: Floats | None) -> Floats:
+    branch = _branches(x, pairs, images, cell)
+    r = np.hypot(*branch.T)
+    if (r == 0).any():
+        e = int(np.argmax(r == 0))
+        raise ValueError(
+            f"contact {e}: grains {pairs[e, 0]} and {pairs[e, 1]} coincide, their distance is 0"
+        )
+    return branch / r[:, None]
+
+
+def _nearest_images(x: Floats, pairs: Integers, cell: Floats) -> Integers:
+    branch = x[pairs[:, 1]] - x[pairs[:, 0]]
+    nearest = -np.round(branch @ np.linalg.inv(cell))
+    # Rounding fractional coordinates may miss the nearest image of a sheared cell by one.
+    around = np.array([[a, b] for a in (-1, 0, 1) for b in (-1, 0, 1)])
+    candidates = nearest[:, None, :] + around
+    r = np.linalg.norm(branch[:, None, :] + candidates @ cell, axis=2)
+    return candidates[np.arange(len(pairs)), r.argmin(axis=1)].astype(np.int64)

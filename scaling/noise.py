@@ -1,0 +1,127 @@
+"""Measurement noise, four conventions. η are independent standard normals, ⟨σ⟩ the mean diameter.
+
+    diameter   σ_i → σ_i + ξ η_i ⟨σ⟩ ,  so  R_i → R_i + ξ η_i ⟨σ⟩/2
+    radius     R_i → R_i + ξ η_i ⟨σ⟩            twice the error of `diameter`
+    relative   R_i → R_i (1 + ξ η_i)
+    position   each coordinate of x_i gets ξ η ⟨σ⟩; directions and distances follow
+
+To first order all are linear: δσ_e = ξ Σ A_ei η_i, and for positions δr_e = ξ Σ (∂r/∂x) η.
+Size noise leaves G alone. Torques are data in the form T/R_i, so T_i is scaled along with R_i.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array, hstack, vstack
+
+from scaling.checks import Floats
+
+if TYPE_CHECKING:
+    from scaling.network import ContactNetwork
+
+SIZE_NOISE = ("diameter", "radius", "relative")
+NOISE = (*SIZE_NOISE, "position")
+
+
+class NonPositiveRadius(ValueError):
+    """A draw of the noise made a radius zero or negative."""
+
+
+def perturb(
+    network: ContactNetwork, xi: float, rng: np.random.Generator, noise: str = "diameter"
+) -> ContactNetwork:
+    """`network` as measured with noise of strength `xi` (in units of its mean diameter).
+
+    The contacts stay the same ones, and so do the loops: noise moves grains, it does not re-wire.
+    ValueError: unknown noise, negative xi, or a radius that would not be positive, named.
+    """
+    check_noise(noise)
+    if not (np.isfinite(xi) and xi >= 0):
+        raise ValueError(f"xi = {xi}: the strength of the noise cannot be negative")
+    if noise == "position":
+        return _moved(network, xi, rng)
+    eta = rng.standard_normal(network.grains)
+    radii = network.radii + xi * radius_scale(network, noise) * eta
+    if (radii <= 0).any():
+        i = int(np.argmax(radii <= 0))
+        raise NonPositiveRadius(
+            f"{noise} noise of xi = {xi:g} makes the radius of grain {i} {radii[i]:.3g}; "
+            "it must stay positive"
+        )
+    external = network.external.copy()
+    external[:, 2] *= radii / network.radii
+    return network.with_sizes(radii, external)
+
+
+def check_noise(noise: str) -> None:
+    """Refuse an unknown noise convention."""
+    if noise not in NOISE:
+        raise ValueError(f"noise {noise!r} is unknown; there are {', '.join(NOISE)}")
+
+
+def radius_scale(network: ContactNetwork, noise: str) -> Floats:
+    """(N,) standard deviation of R_i at ξ = 1."""
+    mean = np.full(network.grains, network.mean_diameter)
+    return {"diameter": mean / 2, "radius": mean, "relative": network.radii}[noise]
+
+
+def size_response(network: ContactNetwork, noise: str) -> csr_array:
+    """A, (c, N) sparse: δσ_e = ξ Σ_i A_ei η_i."""
+    return csr_array(_incidence(network, 1.0) @ diags_array(radius_scale(network, noise)))
+
+
+def distance_response(network: ContactNetwork) -> csr_array:
+    """∂r/∂x ⟨σ⟩, (c, 2N) sparse: δr_e = ξ Σ of it times η, x coordinates before y."""
+    return _along(network, network.normals)
+
+
+def balance_response(network: ContactNetwork, forces: Floats) -> csr_array:
+    """δM|f⟩ = ξ Σ of it times η, (3N, 2N) sparse, or (2N, 2N) for c normal forces.
+
+    Directions turn, δn = t δθ and δt = -n δθ with δθ = t·(u_j - u_i)/r: the force -f_n n + f_t t
+    on grain i changes by -(f_n t + f_t n) δθ, and torques do not change.
+    """
+    c, active = network.contacts, network.active
+    fn = forces[:c]
+    ft = forces[c:] if forces.size == 2 * c else np.zeros(c)
+    turned = fn[:, None] * network.tangents + ft[:, None] * network.normals
+    δθ = diags_array(1 / network.distances) @ _along(network, network.tangents)
+    difference = csr_array(_incidence(network, -1.0).T)[active]
+    blocks = [-difference @ diags_array(turned[:, k]) @ δθ for k in (0, 1)]
+    if forces.size == 2 * c:
+        blocks.append(csr_array((len(active), 2 * network.grains)))
+    return csr_array(vstack(blocks))
+
+
+def _along(network: ContactNetwork, direction: Floats) -> csr_array:
+    """direction·(u_j - u_i) for displacements u = ⟨σ⟩ η."""
+    difference = -network.mean_diameter * _incidence(network, -1.0)
+    return csr_array(hstack([diags_array(direction[:, k]) @ difference for k in (0, 1)]))
+
+
+def _moved(network: ContactNetwork, xi: float, rng: np.random.Generator) -> ContactNetwork:
+    if network.positions is None:
+        raise ValueError("position noise needs positions: this network has directions only")
+    if network._directions_measured:
+        raise ValueError("position noise would not reach directions that were measured themselves")
+    displacement = xi * network.mean_diameter * rng.standard_normal(network.positions.shape)
+    moved = type(network)(
+        network.positions + displacement,
+        network.radii,
+        network.pairs,
+        cell=network.cell,
+        images=network.images,
+        external=network.external,
+    )
+    moved._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
+    moved._set(contact_index=network.contact_index)
+    return moved
+
+
+def _incidence(network: ContactNetwork, sign: float) -> csr_array:
+    c = network.contacts
+    values = np.repeat([1.0, sign], c)
+    where = (np.tile(np.arange(c), 2), network.pairs.T.ravel())
+    return csr_array((values, where), shape=(c, network.grains))

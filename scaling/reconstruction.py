@@ -1,0 +1,160 @@
+"""Contact forces from a contact network, by three methods.
+
+    gppsz       min |G f - ( -|F_ext⟩ ; κ (Q|σ⟩ - Λ) )| over f      (sizes and directions)
+    direct      f_n = κ (σ - r), then f_t from equilibrium          (sizes and distances)
+    transverse  f_n given, f_t from equilibrium                     (directions, normal forces)
+
+f_t from equilibrium: min |M_t f_t + F_ext + M_n f_n|, with M = [M_n, M_t]. That it is unique in
+disordered packings with Z < 6 makes the transverse force law redundant, GPPSZ's claim (i);
+that `direct` needs the same precision as `gppsz` is the Comment's answer to claim (ii).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaling import checks
+from scaling.checks import Floats, frozen
+from scaling.equation import ForceEquation, force_equation
+
+if TYPE_CHECKING:
+    from scaling.network import ContactNetwork
+
+METHODS = ("gppsz", "direct", "transverse")
+PLANNED = ("balanced", "optimal", "bounded")
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """Forces found for a network.
+
+    Attributes
+    ----------
+    normal, tangential : (c,) f_n and f_t (zeros if frictionless), in units of stiffness × length
+    forces : (2c,) f_n then f_t; (c,) f_n alone if frictionless
+    residual : root mean square over the rows of the equation that was solved, a force. 0 for
+        exact data. For `direct` without friction nothing is solved: the force imbalance.
+    method, solver : as used; solver "none" if no equation was solved
+    diagnostics : rows, unknowns, hyperstaticity, and negative, the number of contacts with f_n < 0
+    """
+
+    normal: Floats
+    tangential: Floats
+    forces: Floats
+    residual: float
+    method: str
+    solver: str
+    diagnostics: Mapping[str, Any]
+
+
+def reconstruct(
+    network: ContactNetwork,
+    stiffness: float | None,
+    method: str = "gppsz",
+    *,
+    frictional: bool = True,
+    solver: str = "auto",
+    tol: float | None = None,
+    normal_forces: ArrayLike | None = None,
+    xi: float | None = None,
+    noise: str = "diameter",
+    covariance: ArrayLike | None = None,
+    data: str = "all",
+    friction: float | None = None,
+    pressure: float | None = None,
+) -> Reconstruction:
+    """Find the contact forces of `network`; loads are those of `network.external`.
+
+    Parameters
+    ----------
+    stiffness : κ > 0, force per length, f_n = κ (σ - r). `transverse` accepts None.
+    method : "gppsz", "direct" or "transverse"
+    frictional : False: no tangential forces, no torques
+    solver, tol : see `scaling.least_squares`; tol for solver="lsmr" only
+    normal_forces : (c,), for `transverse`
+    xi, noise, covariance, data, friction, pressure : for methods to come
+
+    ValueError: bad input, an argument that the method ignores, or an equation without a
+    unique solution, with its rank.
+    """
+    if method in PLANNED:
+        raise ValueError(f"method {method!r} is not built yet; there are {', '.join(METHODS)}")
+    if method not in METHODS:
+        raise ValueError(f"method {method!r} is unknown; there are {', '.join(METHODS)}")
+    given = {
+        "xi": xi is not None,
+        "noise": noise != "diameter",
+        "covariance": covariance is not None,
+        "data": data != "all",
+        "friction": friction is not None,
+        "pressure": pressure is not None,
+        "normal_forces": normal_forces is not None and method != "transverse",
+    }
+    for name, is_given in given.items():
+        if is_given:
+            raise ValueError(f"method {method!r} does not use {name}")
+    if stiffness is None:
+        if method != "transverse":
+            raise ValueError(f"method {method!r} needs the stiffness")
+        stiffness = 1.0  # no bearing on forces from equilibrium
+    elif not (np.isfinite(stiffness) and stiffness > 0):
+        raise ValueError(f"stiffness {stiffness}: it must be positive")
+    equation = force_equation(network, frictional)
+    if method == "gppsz":
+        return _gppsz(equation, stiffness, solver, tol)
+    if method == "direct":
+        fn = stiffness * network.overlaps
+        if not frictional:
+            if solver != "auto" or tol is not None:
+                raise ValueError("method 'direct' without friction solves nothing: no solver, tol")
+            residual = equation.M @ fn - equation.balance_rhs()
+            return _result(equation, fn, residual, method, "none")
+    elif not frictional:
+        raise ValueError("method 'transverse' finds tangential forces: frictional=False has none")
+    elif normal_forces is None:
+        raise ValueError("method 'transverse' needs normal_forces")
+    else:
+        fn = checks.finite("normal force", "contact", normal_forces, (network.contacts,))
+    return _transverse(equation, fn, method, solver, tol)
+
+
+def _gppsz(
+    equation: ForceEquation, stiffness: float, solver: str, tol: float | None
+) -> Reconstruction:
+    system, b = equation.matrices.system, equation.rhs(stiffness)
+    f = system.solve(b, solver, tol)
+    return _result(equation, f, equation.G @ f - b, "gppsz", system.solver_for(solver))
+
+
+def _transverse(
+    equation: ForceEquation, fn: Floats, method: str, solver: str, tol: float | None
+) -> Reconstruction:
+    matrices = equation.matrices
+    b = equation.balance_rhs() - matrices.M_normal @ fn
+    ft = matrices.transverse.solve(b, solver, tol)
+    residual = matrices.M_tangential @ ft - b
+    used = matrices.transverse.solver_for(solver)
+    return _result(equation, np.concatenate([fn, ft]), residual, method, used)
+
+
+def _result(
+    equation: ForceEquation, forces: Floats, residual: Floats, method: str, solver: str
+) -> Reconstruction:
+    c = equation.network.contacts
+    normal = forces[:c]
+    diagnostics = {
+        "rows": len(residual),
+        "unknowns": equation.unknowns,
+        "hyperstaticity": equation.hyperstaticity,
+        "negative": int((normal < 0).sum()),
+    }
+    tangential = forces[c:] if equation.frictional else np.zeros(c)
+    rms = float(np.sqrt(np.mean(residual**2)))
+    return Reconstruction(
+        frozen(normal), frozen(tangential), frozen(forces), rms, method, solver, diagnostics
+    )

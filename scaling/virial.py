@@ -1,0 +1,46 @@
+"""Stress of a contact network from its forces, compression positive:
+
+    σ_ab = (1/A) Σ_e r_e n_a (f_n n - f_t t)_b ,     p = tr σ/2 = Σ_e f_n r_e / (2A) ,
+
+r_e n the branch from i to j and f_n n - f_t t the force on j. It is symmetric when torques
+balance with the lever arm r_e/2 per grain pair; with the arms R_i, up to O(Δ).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaling import checks
+from scaling.checks import Floats
+from scaling.propagation import is_frictional
+
+if TYPE_CHECKING:
+    from scaling.network import ContactNetwork
+
+
+def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = None) -> Floats:
+    """The (2, 2) stress tensor, force per length.
+
+    Parameters
+    ----------
+    forces : (2c,) f_n then f_t, or (c,) f_n alone
+    area : what the forces are spread over; needed for an open network, which has no area of
+        its own, and refused for a periodic one, whose area is that of its cell
+    """
+    f = checks.finite("force", "component", forces, (np.size(forces),))
+    c = network.contacts
+    if network.cell is not None:
+        if area is not None:
+            raise ValueError(f"area = {area} is not used: the network has a cell")
+        area = abs(float(np.linalg.det(network.cell)))
+    elif area is None:
+        raise ValueError("an open network has no area of its own: give area")
+    elif not (np.isfinite(area) and area > 0):
+        raise ValueError(f"area {area}: it must be positive")
+    on_j = f[:c, None] * network.normals
+    if is_frictional(network, f):
+        on_j = on_j - f[c:, None] * network.tangents
+    return (network.distances[:, None] * network.normals).T @ on_j / area
