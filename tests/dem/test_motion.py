@@ -19,6 +19,7 @@ def dense_gas(
     seed: int = 0, grains: int = 40, speed: float = 0.05, squeeze: float = 0.86
 ) -> State:
     """A loose start squeezed until grains overlap, with random velocities and spins."""
+    grains = 40
     state = loose_state(Scene(grains, 1e-2), np.random.default_rng(seed))
     rng = np.random.default_rng(seed + 1)
     return State(

@@ -141,5 +141,5 @@ def test_bad_settings(arguments, message):
 
 
 def test_box_too_narrow_for_its_grains():
-    with pytest.raises(ValueError, match="less than twice the range .* take more grains"):
+    with pytest.raises(ValueError, match=r"less than twice the range .* take more grains"):
         relax(Scene(3, 1e-2), 1, progress=False)

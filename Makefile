@@ -1,0 +1,44 @@
+# make figures         the Comment's figures, quick edition, to build/figures/
+# make figures FULL=1  publication edition (N = 1000), to figures/
+# make test            lint, types and tests
+# make fuzz            the property tests, long
+# Each target makes the virtual environment it needs.
+
+PYTHON ?= python3
+# One BLAS thread a process: the packings already use every core.
+export OMP_NUM_THREADS = 1
+export OPENBLAS_NUM_THREADS = 1
+
+RUN = .venv/bin/python
+TEST = .venv-test/bin/python
+INSTALL = -m pip install --quiet --disable-pip-version-check --editable
+
+.PHONY: figures test fuzz bench clean
+
+figures: .venv/ready$(if $(FULL),-full)
+	$(RUN) -m paper_figs $(if $(FULL),--full)
+
+test: .venv-test/ready
+	$(TEST) -m ruff check .
+	$(TEST) -m ruff format --check .
+	$(TEST) -m mypy
+	$(TEST) -m pytest --numprocesses=2
+
+fuzz: .venv-test/ready
+	HYPOTHESIS_PROFILE=fuzz $(TEST) -m pytest tests/properties
+
+bench: .venv/ready-full
+	$(RUN) benchmarks/step_cost.py
+
+.venv/ready .venv/ready-full: pyproject.toml
+	test -x $(RUN) || $(PYTHON) -m venv .venv
+	$(RUN) $(INSTALL) ".$(if $(findstring full,$@),[fast])"
+	touch $@
+
+.venv-test/ready: pyproject.toml
+	test -x $(TEST) || $(PYTHON) -m venv .venv-test
+	$(TEST) $(INSTALL) ".[fast,test]"
+	touch $@
+
+clean:
+	rm -rf build .venv .venv-test

@@ -1,0 +1,77 @@
+"""Fig. 2: why the sizes must be known to Δ, the Comment's argument itself.
+
+(a) The loop sums Q|σ⟩, which are all that the equation learns of the sizes, are of order Δ
+everywhere: their rms and their largest entry over Δ stay of order one.  (b) G does not know
+the contact scale: its singular values do not change with Δ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from dem import Packing
+from paper_figs.packings import Edition
+from paper_figs.style import new_figure, provenance
+from scaling import ContactNetwork, force_equation
+
+TABLE = np.dtype(
+    [
+        ("packing", int), ("delta", float), ("rms", float), ("largest", float),
+        ("singular_min", float), ("singular_max", float), ("exact", int),
+    ]
+)  # fmt: skip
+
+
+def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
+    """Per packing: rms and largest entry of Q|σ⟩/Δ in ⟨σ⟩, extreme singular values of G."""
+    rows = []
+    for k, packing in enumerate(packings):
+        equation = force_equation(ContactNetwork.from_packing(packing))
+        sums = equation.Q @ equation.network.sigma / packing.delta
+        values = equation.conditioning
+        rows.append((
+            k, packing.delta, np.sqrt(np.mean(sums**2)), np.abs(sums).max(),
+            values.smallest, values.largest, int(values.exact),
+        ))  # fmt: skip
+    return np.array(rows, TABLE)
+
+
+def plot(table: np.ndarray) -> Figure:
+    """Two panels of one column; means over packings, bars of one standard deviation."""
+    figure, (a, b) = new_figure(4.4, 2, sharex=True)
+    deltas = np.unique(table["delta"])
+
+    def means(axes, name: str, **style: object) -> None:  # type: ignore[no-untyped-def]
+        columns = [table[name][table["delta"] == d] for d in deltas]
+        axes.errorbar(
+            deltas, [v.mean() for v in columns], [v.std(ddof=1) for v in columns],
+            linestyle="none", **style,
+        )  # fmt: skip
+
+    means(a, "largest", color="#D55E00", marker="^", label="largest entry")
+    means(a, "rms", color="#0072B2", marker="o", label="rms")
+    a.set(yscale="log", ylabel=r"$Q|\sigma\rangle/\Delta$ (units of $\langle\sigma\rangle$)")
+    a.set_ylim(0.1, 30)
+    means(b, "singular_max", color="#D55E00", marker="^", label="largest")
+    means(b, "singular_min", color="#0072B2", marker="o", label="smallest")
+    b.set(
+        xscale="log", yscale="log", xlabel=r"deformation $\Delta=p/\kappa$",
+        ylabel="singular values of $G$",
+    )  # fmt: skip
+    b.set_ylim(0.02, 20)
+    for axes, name in ((a, "(a)"), (b, "(b)")):
+        axes.text(0.03, 0.9, name, transform=axes.transAxes)
+        axes.legend(loc="lower left")
+    return figure
+
+
+def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
+    """What the metadata say."""
+    return provenance(
+        figure="2", edition=edition.name, grains=edition.grains,
+        packing_seeds=[p.info["seed"] for p in packings],
+        error_bars="standard deviation over packings",
+    )  # fmt: skip

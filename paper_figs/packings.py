@@ -1,0 +1,57 @@
+"""The packings behind the figures: which ones, and where they are kept."""
+
+from __future__ import annotations
+
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from os import cpu_count
+from pathlib import Path
+
+import numpy as np
+
+from dem import Packing, Scene, Settings, relax_ensemble
+
+ROOT = Path(__file__).resolve().parent.parent
+DELTAS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+
+
+@dataclass(frozen=True)
+class Edition:
+    """How large the figures' packings are and how often the noise is drawn."""
+
+    name: str
+    grains: int
+    packings: int  # per Δ
+    draws: int  # of the noise, per packing and strength
+    per_decade: int  # strengths of the noise
+    backend: str
+    folder: Path
+
+    @property
+    def ratios(self) -> np.ndarray:
+        """ξ/Δ from 1e-3 to 1e3."""
+        return np.logspace(-3, 3, 6 * self.per_decade + 1)
+
+
+QUICK = Edition("quick", 150, 3, 4, 1, "numpy", ROOT / "build" / "figures")
+FULL = Edition("full", 1000, 8, 10, 2, "auto", ROOT / "figures")
+
+
+def seed_of(delta: float, k: int) -> int:
+    """Seed of the k-th packing at Δ: every packing of a figure is independent of the others."""
+    return 1000 * round(-np.log10(delta)) + k
+
+
+def prepare(edition: Edition, workers: int | None = None) -> list[Packing]:
+    """The packings of an edition, Δ by Δ; what the store in build/ has is not made again."""
+    tasks = [(Scene(edition.grains, d), seed_of(d, k))
+             for d in DELTAS for k in range(edition.packings)]  # fmt: skip
+    scenes, seeds = zip(*tasks, strict=True)
+    with ProcessPoolExecutor(workers or cpu_count()) as pool:
+        return relax_ensemble(
+            scenes,
+            seeds,
+            executor=pool,
+            store=ROOT / "build" / "packings",
+            settings=Settings(backend=edition.backend),
+        )
