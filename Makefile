@@ -29,6 +29,7 @@ fuzz: .venv-test/ready
 
 bench: .venv/ready-full
 	$(RUN) benchmarks/step_cost.py
+	$(RUN) benchmarks/relaxation.py
 
 .venv/ready .venv/ready-full: pyproject.toml
 	test -x $(RUN) || $(PYTHON) -m venv .venv

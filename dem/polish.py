@@ -14,13 +14,16 @@ from dem.law import ContactLaw
 from dem.neighbours import Neighbours
 from dem.rest import Rest
 from dem.state import State
-from dem.tangent import Equilibrium, Trial
+from dem.tangent import PIN, Equilibrium, Trial
 
-ITERATIONS = 30
-#: Newton steps without halving the residual before it is taken as stalled.
-PATIENCE = 3
+ITERATIONS = 40
+#: Newton steps without halving the residual before it is taken as stalled; fewer at round-off.
+PATIENCE, PATIENCE_AT_ROUND_OFF = 8, 2
 #: A longer move (mean diameters) means that the tangent is singular: not near rest.
 LONGEST_MOVE = 0.2
+#: Diagonal shift of the tangent, in κ, per residual/p: it vanishes as Newton converges, but where
+#: nothing holds a group of grains it lets them move by ~ Δ, off their contacts, and no further.
+SHIFT = 1.0
 #: Refinements of the forces once positions can do no more.
 REFINEMENTS = 20
 
@@ -38,6 +41,7 @@ def polish(state: State, near: Neighbours, law: ContactLaw, pressure: float) -> 
     balance = Equilibrium(state, near, law, pressure)
     # Positions cannot hold the residual below ~ κ ε L.
     floor = 2 * law.stiffness * np.finfo(float).eps * float(state.cell.max())  # type: ignore
+    good = max(1e-9 * pressure, 100 * floor)
     y = np.zeros(3 * len(state.radii) + 1)
     trial = kept = balance.trial(y)
     best, stalled, iterations = np.inf, 0, 0
@@ -48,15 +52,16 @@ def polish(state: State, near: Neighbours, law: ContactLaw, pressure: float) -> 
             best, kept, stalled = worst, trial, 0
         else:
             stalled += 1
-        if worst <= floor or stalled > PATIENCE:
+        patience = PATIENCE if best > good else PATIENCE_AT_ROUND_OFF
+        if worst <= floor or stalled > patience:
             break
-        move = balance.factorise(trial)(residual)
+        move = balance.factorise(trial, max(PIN, SHIFT * worst / pressure))(residual)
         if not np.abs(move).max() < LONGEST_MOVE:  # also when it is NaN
             raise PolishFailed(f"a Newton step of {np.abs(move).max():.3g} ⟨σ⟩")
         y = y + move
         trial = balance.trial(y)
         iterations += 1
-    if best > max(1e-9 * pressure, 100 * floor):
+    if best > good:
         raise PolishFailed(f"the residual stays at {best / pressure:.3g} p")
     rest = _carry(balance, kept, pressure, iterations)
     _store(state, balance, kept, rest)

@@ -3,8 +3,7 @@
 The clock of the problem is the inertial time ⟨σ⟩√(ρ/p), that of the integrator √(m/κ); their
 ratio Δ^(-1/2) is the number of steps, up to a factor.  Integration ends when the mean speed is
 below ``Settings.speed`` √(p/ρ); Newton's method on the contacts does the rest.  Where it fails
-(a contact still on its way), integration goes on to a ten times smaller speed and it is tried
-again.
+(a group of grains still leaving its last contacts), integration goes on and it is tried again.
 """
 
 from __future__ import annotations
@@ -31,8 +30,8 @@ from dem.state import State
 STRIDE = 200
 #: The pressure must have arrived, too: a gas at rest is not a packing.
 PRESSURE_TOLERANCE = 0.01
-#: Below this speed (in √(p/ρ)) the polish is not tried again.
-SLOWEST = 1e-12
+#: After a failed polish: inertial times until the next, unless the speed falls tenfold before.
+RETRY = 10.0
 
 
 class NotRelaxed(RuntimeError):
@@ -71,9 +70,10 @@ def relax(
     drive = Drive(drag=settings.drag / inertial, pressure=scene.pressure)
     dt = stable_time_step(law, float(state.masses.min()), settings.time_step)
     limit = int(np.ceil(settings.longest * inertial / dt))
-    target, steps, speed, why = settings.speed, 0, np.inf, ""
+    steps, speed, why = 0, np.inf, ""
+    target, again = settings.speed, 0
     with RestBar(scene.delta, target, limit, progress) as bar:
-        while steps < limit and target > SLOWEST:
+        while steps < limit:
             step(
                 state, law, dt, drive=drive, steps=STRIDE,
                 skin=settings.skin, backend=settings.backend,
@@ -81,12 +81,15 @@ def relax(
             steps += STRIDE
             speed = _speed(state) * inertial
             bar.show(steps, speed)
-            if speed > target or _pressure_error(state, scene) > PRESSURE_TOLERANCE:
+            if _pressure_error(state, scene) > PRESSURE_TOLERANCE or speed > settings.speed:
+                continue
+            if speed > target and steps < again:
                 continue
             try:
                 near, rest = _settle(state, law, scene, settings)
             except PolishFailed as failure:
-                target, why = target / 10, f"; Newton: {failure}"
+                target, why = speed / 10, f"; Newton: {failure}"
+                again = steps + int(RETRY * inertial / dt)
                 continue
             packing = _packing(scene, seed, settings, state, near, rest)
             packing.info.update(steps=steps, speed=speed, inertial_times=steps * dt / inertial)

@@ -26,7 +26,7 @@ from dem.neighbours import Neighbours
 from dem.rest import backbone, fewest_contacts
 from dem.state import Floats, State
 
-#: Diagonal shift, in units of κ, that pins the two translations of the whole packing.
+#: Smallest diagonal shift, in units of κ: it pins the two translations of the whole packing.
 PIN = 1e-13
 
 
@@ -117,8 +117,11 @@ class Equilibrium:
         slides = law.friction * np.sign(trial.tangential) * np.where(trial.sliding, on_normal, 0.0)
         return on_normal, on_slip, slides
 
-    def factorise(self, trial: Trial) -> Callable[[Floats], Floats]:
-        """Sparse LU of the tangent: residual -> Newton step.  Rattlers only follow the cell."""
+    def factorise(self, trial: Trial, shift: float = PIN) -> Callable[[Floats], Floats]:
+        """Sparse LU of the tangent minus ``shift`` κ: residual -> Newton step.
+
+        Rattlers are left out: they only follow the cell.
+        """
         on_normal, on_slip, slides = map(diags_array, self.response(trial))
         m_n, m_t, sideways = trial.m_n, trial.m_t, trial.sideways
         tangent = m_n @ on_normal @ m_n.T - m_t @ on_slip @ m_t.T + m_t @ slides @ m_n.T
@@ -133,7 +136,7 @@ class Equilibrium:
         grains[self.near.pairs[trial.bearing]] = True
         active = np.flatnonzero(np.r_[grains, grains, grains & self.rotates, True])
         reduced = csc_array(tangent)[active][:, active]
-        lu = splu(csc_array(reduced - PIN * self.law.stiffness * eye_array(len(active))))
+        lu = splu(csc_array(reduced - shift * self.law.stiffness * eye_array(len(active))))
 
         def newton_step(residual: Floats) -> Floats:
             y = np.zeros(last + 1)

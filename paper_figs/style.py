@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Iterable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -72,15 +71,15 @@ def write(
     figure.savefig(paths[0], metadata={"Description": note})
     figure.savefig(paths[1], metadata={"Subject": note, "CreationDate": None})
     plt.close(figure)
-    write_table(paths[2], table, note)
+    write_table(paths[2], table, facts)
     return paths
 
 
-def write_table(path: Path, table: np.ndarray, note: str) -> None:
-    """A structured array as CSV below one comment line."""
-    names: Iterable[str] = table.dtype.names or ()
+def write_table(path: Path, table: np.ndarray, facts: dict[str, Any]) -> None:
+    """A structured array as CSV, below one comment line with the ``facts``."""
+    names = table.dtype.names or ()
     with path.open("w") as stream:
-        stream.write(f"# {note}\n{','.join(names)}\n")
+        stream.write(f"# {json.dumps(facts, default=str)}\n{','.join(names)}\n")
         for row in table.tolist():
             stream.write(",".join(f"{v:.9g}" if isinstance(v, float) else str(v) for v in row))
             stream.write("\n")

@@ -1,0 +1,99 @@
+"""The figure scripts on a small edition: what they write, and the numbers they plot."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+
+from paper_figs import fig1, fig2, fig3, table1
+from paper_figs.packings import DELTAS, FULL, QUICK, seed_of
+from paper_figs.style import write
+from tests.conftest import packing
+
+GRAINS = 40
+SMALL = replace(QUICK, name="small", grains=GRAINS, packings=2, draws=3)
+
+
+@pytest.fixture(scope="module")
+def packings():
+    return [packing(grains=GRAINS, delta=d, seed=k) for d in DELTAS for k in (1, 2)]
+
+
+def read(path: Path) -> tuple[dict, list[dict[str, str]]]:
+    lines = path.read_text().splitlines()
+    return json.loads(lines[0].removeprefix("# ")), list(csv.DictReader(lines[1:]))
+
+
+def test_figure_1_collapses_with_slope_one(packings, tmp_path):
+    """Per Δ, log E against log ξ has slope 1 (linear response; the sample scatters by a few
+    percent), and E is C ξ/Δ."""
+    table = fig1.compute(packings, SMALL)
+    assert set(table["delta"]) == set(DELTAS)
+    for delta in DELTAS:
+        mine = table[table["delta"] == delta]
+        slope = np.polyfit(np.log(mine["xi"]), np.log(mine["error"]), 1)[0]
+        assert slope == pytest.approx(1, abs=0.1)
+        assert mine["error"] / mine["ratio"] == pytest.approx(mine["C_diameter"], rel=0.5)
+    assert table["C_radius"] == pytest.approx(2 * table["C_diameter"])
+    assert table["xi"].max() <= fig1.LARGEST_XI
+    assert table["ratio"][table["delta"] == 1e-6].max() == pytest.approx(1e3)
+    paths = write(fig1.plot(table), tmp_path, "fig1", table, fig1.facts(packings, SMALL))
+    assert [p.suffix for p in paths] == [".png", ".pdf", ".csv"]
+    facts, rows = read(paths[2])
+    assert len(rows) == len(table)
+    assert float(rows[3]["error"]) == pytest.approx(table["error"][3], rel=1e-8)
+    assert facts["packing_seeds"] == [1, 2] * len(DELTAS)
+    assert "numpy" in facts["versions"]
+    stored = matplotlib.image.imread(paths[0])
+    assert stored.shape[1] == pytest.approx(1020, abs=2)  # one column at 300 dpi
+
+
+def test_figure_2_shows_sums_of_order_delta_and_a_matrix_that_does_not_know_it(packings, tmp_path):
+    """Over five decades of Δ both stay within a factor 5; unscaled, the sums span 1e4."""
+    table = fig2.compute(packings, SMALL)
+    for name in ("rms", "singular_min", "singular_max"):
+        assert table[name].max() / table[name].min() < 5, name
+    unscaled = table["rms"] * table["delta"]
+    assert unscaled.max() / unscaled.min() > 1e4
+    assert table["exact"].all()
+    paths = write(fig2.plot(table), tmp_path, "fig2", table, fig2.facts(packings, SMALL))
+    assert len(read(paths[2])[1]) == len(packings)
+
+
+def test_figure_3_loses_the_chains_as_noise_passes_the_deformation(packings, tmp_path):
+    table = fig3.compute(packings, SMALL)
+    errors = [table[f"E_at_{r:g}"][0] for r in fig3.RATIOS]
+    assert errors[0] < 0.05
+    assert 0.1 < errors[1] < 1.5
+    assert errors[2] > 10
+    assert np.all(table["true"] > 0)
+    assert np.all(table["at_0.01"] * table["true"] > -0.1)
+    assert np.mean(table["at_100"] < 0) > 0.2  # a good part of the contacts would pull
+    drawn = fig3.plot(table, fig3.choose(packings))
+    paths = write(drawn, tmp_path, "fig3", table, fig3.facts(packings, SMALL))
+    assert all(p.stat().st_size > 0 for p in paths)
+
+
+def test_packings_of_the_figures_are_independent():
+    for edition in (QUICK, FULL):
+        seeds = [seed_of(d, k) for d in DELTAS for k in range(edition.packings)]
+        assert len(set(seeds)) == len(seeds)
+
+
+def test_table_1_tells_steps_and_prefactors(packings):
+    """Steps ~ Δ^-1/2 within 0.15 (two small packings per Δ), C falls with Δ, one line per Δ."""
+    errors = fig1.compute(packings, SMALL)
+    rows = table1.compute(packings, errors)
+    assert rows["residual"].max() <= 1e-9
+    exponent, _ = table1.exponent(packings)
+    assert exponent == pytest.approx(0.5, abs=0.15)
+    slope, scatter, control = table1.collapse_fit(errors)
+    assert slope == pytest.approx(1, abs=0.05)
+    assert scatter < 0.3 < 1 < control
+    assert table1.text(rows, packings, errors).count("\n| 1e-") == len(DELTAS)
