@@ -1,0 +1,106 @@
+"""Exact rank, null space, pseudo-inverse and squared gain of a small network.
+
+    K² = ‖G⁺(0 ; Q A)‖_F² / 2c,        G⁺ = (GᵀG)⁻¹Gᵀ
+
+(c instead of 2c without friction), with A the map from grain noise to δσ_e.  K² ξ²κ² is the
+mean square error of one force component when Eq. 1 is solved by least squares, exact for
+size noise.  Sines and cosines are rational in tan(φ/2), so all of it is linear algebra over
+one field: QQ(u, v) for free angles, QQ(tan π/n) for regular polygons.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import sympy as sp
+from sympy import Expr, Matrix
+from sympy.polys.matrices import DomainMatrix
+
+from scaling.symbolic.closure import loop_vector
+from scaling.symbolic.field import ExactField
+from scaling.symbolic.network import SymbolicNetwork
+
+
+def rank(network: SymbolicNetwork, frictional: bool = True, matrix: str = "G") -> int:
+    """Return the exact generic rank of G (or of M, with matrix="M")."""
+    return ExactField(network).matrix(_named(network, matrix, frictional)).rank()
+
+
+def null_space(network: SymbolicNetwork, frictional: bool = True, matrix: str = "M") -> Matrix:
+    """Exact null space, one column per vector: the force networks that need no load (M)."""
+    exact = ExactField(network)
+    rows = exact.matrix(_named(network, matrix, frictional)).nullspace()
+    return rows.to_Matrix().T if rows.shape[0] else sp.zeros(rows.shape[1], 0)
+
+
+def pseudo_inverse(network: SymbolicNetwork, frictional: bool = True) -> Matrix:
+    """G⁺ = (GᵀG)⁻¹Gᵀ, exact; refused when G does not have full column rank."""
+    G = ExactField(network).matrix(network.G(frictional))
+    return _solved(network, G.transpose() * G, G.transpose()).to_Matrix()
+
+
+def loop_gaps(network: SymbolicNetwork) -> Matrix:
+    """Loop sums of the contact diameters, Q|σ⟩: exactly zero when the grains just touch."""
+    exact = ExactField(network)
+    vectors = [loop_vector(loop, network.normals, list(network.sigma)) for loop in network.loops]
+    return exact.matrix(Matrix(vectors)).to_Matrix()
+
+
+def noise_map(network: SymbolicNetwork, noise: str = "diameter") -> Matrix:
+    """A: unit grain noise to δσ_e in units of ⟨σ⟩, (c, N); position noise: -∂r/∂x, (c, 2N)."""
+    N = network.grains
+    A = sp.zeros(network.contacts, 2 * N if noise == "position" else N)
+    mean = 2 * sum(network.radii) / N
+    share: dict[str, Callable[[int], Expr]] = {
+        "diameter": lambda grain: sp.Rational(1, 2),
+        "radius": lambda grain: sp.S.One,
+        "relative": lambda grain: sp.cancel(network.radii[grain] / mean),
+    }
+    if noise != "position" and noise not in share:
+        raise ValueError(f"noise = {noise!r}: diameter, radius, relative or position")
+    for e, (i, j) in enumerate(network.pairs):
+        if noise == "position":
+            for axis in (0, 1):
+                A[e, axis * N + i] = network.normals[e][axis]
+                A[e, axis * N + j] = -network.normals[e][axis]
+        else:
+            A[e, i], A[e, j] = (sp.S(share[noise](grain)) for grain in (i, j))
+    return A
+
+
+def response(
+    network: SymbolicNetwork, frictional: bool = True, noise: str = "diameter"
+) -> tuple[DomainMatrix, ExactField]:
+    """G⁺(0 ; Q A): forces (in κ) per unit grain noise, over the network's field."""
+    exact = ExactField(network)
+    G, Q = exact.matrix(network.G(frictional)), exact.matrix(network.Q)
+    data = Q * exact.matrix(noise_map(network, noise))
+    padded = DomainMatrix.zeros((G.shape[0] - Q.shape[0], data.shape[1]), exact.domain)
+    return _solved(network, G.transpose() * G, G.transpose() * padded.vstack(data)), exact
+
+
+def squared_gain(
+    network: SymbolicNetwork, frictional: bool = True, noise: str = "diameter"
+) -> Expr:
+    """K², exact: a rational function of the parameters, or an algebraic number."""
+    X, exact = response(network, frictional, noise)
+    total = sum((x * x for row in X.to_list() for x in row), exact.domain.zero)
+    return sp.factor(exact.expression(total / exact.domain(X.shape[0])))
+
+
+def _named(network: SymbolicNetwork, matrix: str, frictional: bool) -> Matrix:
+    if matrix not in ("G", "M", "Q"):
+        raise ValueError(f"matrix = {matrix!r}: G, M or Q")
+    if matrix == "Q":
+        return network.Q
+    return network.G(frictional) if matrix == "G" else network.M(frictional)
+
+
+def _solved(network: SymbolicNetwork, H: DomainMatrix, right: DomainMatrix) -> DomainMatrix:
+    found = H.to_dense().rank()
+    if found < H.shape[0]:
+        raise ValueError(
+            f"{network.name}: G has rank {found} of {H.shape[0]}, null space of dimension "
+            f"{H.shape[0] - found}: some forces change neither a balance nor a loop"
+        )
+    return H.to_dense().lu_solve(right.to_dense())
