@@ -1,0 +1,47 @@
+"""The theory in exact arithmetic: derived by sympy, every step checked by sympy.
+
+    derivation()      the Comment's argument as checked steps
+    triangle() ...    small networks with exact M, Q, G; `table()` of ranks and squared gains
+    perturbation      sizes and positions to second order; common-mode noise
+    hertz, series     general contact laws beyond linear order
+    bridge            the one way to NumPy
+
+Imported explicitly: `import scaling` does not load sympy.
+"""
+
+from scaling.symbolic.closed_forms import bowtie_gain, rhombus_gain, square_gain, triangle_gain
+from scaling.symbolic.common_mode import common_mode_steps
+from scaling.symbolic.derivation import derivation
+from scaling.symbolic.fourier import ring_squared_gain, wheel_squared_gain
+from scaling.symbolic.gain import loop_gaps, null_space, pseudo_inverse, rank, squared_gain
+from scaling.symbolic.network import SymbolicNetwork
+from scaling.symbolic.networks import bowtie, rhombus, ring, square, triangle, wheel
+from scaling.symbolic.perturbation import perturbation_steps
+from scaling.symbolic.step import Step
+from scaling.symbolic.table import table
+
+__all__ = [
+    "Step",
+    "SymbolicNetwork",
+    "bowtie",
+    "bowtie_gain",
+    "common_mode_steps",
+    "derivation",
+    "loop_gaps",
+    "null_space",
+    "perturbation_steps",
+    "pseudo_inverse",
+    "rank",
+    "rhombus",
+    "rhombus_gain",
+    "ring",
+    "ring_squared_gain",
+    "square",
+    "square_gain",
+    "squared_gain",
+    "table",
+    "triangle",
+    "triangle_gain",
+    "wheel",
+    "wheel_squared_gain",
+]

@@ -110,7 +110,9 @@ def _symmetrised(polynomial: PolyElement) -> Expr:
 
 def _symmetrised_ratio(ratio: Expr) -> Expr:
     R = ring(radii, QQ)[0]
-    top, bottom = (_symmetrised(R.from_expr(sp.expand(x))) for x in sp.fraction(sp.together(ratio)))
+    top, bottom = (
+        _symmetrised(R.from_expr(sp.expand(x))) for x in sp.fraction(sp.together(ratio))
+    )
     return sp.factor(top / bottom)
 
 

@@ -41,7 +41,7 @@ def closure_residual(winding: bool) -> Expr:
 
 
 def induction() -> tuple[Expr, Expr]:
-    """Return the same telescoping by induction: differences of base (n = 1) and step (n → n + 1)."""
+    """Return the telescoping by induction: differences of base (n = 1) and step to n + 1."""
     claim = sp.Lambda(n, centre(n) - centre(0))
     term = centre(n + 1) - centre(n)
     return (centre(1) - centre(0) - claim(1), sp.expand(claim(n) + term - claim(n + 1)))

@@ -54,14 +54,17 @@ def closure_projector(difference: Expr) -> Expr:
 
 
 @cache
-def ring_squared_gain(frictional: bool = True) -> Expr:
-    """K² of the regular n-ring for any n >= 3, in n and θ = 2π/n (diameter noise)."""
+def ring_squared_gain(frictional: bool = True, exponent: Expr = sp.S.One) -> Expr:
+    """K² of the regular n-ring for any n >= 3, in n and θ = 2π/n (diameter noise).
+
+    exponent α ≠ 1: Newton's linearisation about equal forces f̂ = 1, where Q acts on δf̂/α.
+    """
     rows = ring_rows() if frictional else ring_rows()[:2, :1]
     wave = rows.subs(q, theta)
     H = (wave.H * wave).applyfunc(lambda x: sp.simplify(sp.expand_complex(x)))
-    H[0, 0] += n / 2
+    H[0, 0] += n / 2 / exponent**2
     B = sp.zeros(H.rows, 1)
-    B[0] = n / 2
+    B[0] = n / 2 / exponent
     X = H.LUsolve(B)
     average_noise = (1 + sp.cos(theta)) / 2  # |A(q)|² = |(1 + e^{iq})/2|² at q = θ
     squared = 2 * average_noise * sum(sp.simplify(sp.expand_complex(x * x.conjugate())) for x in X)

@@ -99,7 +99,9 @@ class SymbolicNetwork:
         return SymbolicNetwork(
             self.name,
             self.pairs,
-            tuple((sp.cancel(nx.subs(chosen)), sp.cancel(ny.subs(chosen))) for nx, ny in self.normals),
+            tuple(
+                (sp.cancel(nx.subs(chosen)), sp.cancel(ny.subs(chosen))) for nx, ny in self.normals
+            ),
             self.loops,
             tuple(sp.cancel(sp.sympify(r).subs(chosen)) for r in self.radii),
             {u: v for u, v in self.sample.items() if u not in chosen},

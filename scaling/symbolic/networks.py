@@ -100,7 +100,9 @@ def wheel(n: int) -> SymbolicNetwork:
         faces.append(((s, 1), (n + s, -1 if last else 1), (0 if last else s + 1, -1)))
     return SymbolicNetwork(
         f"wheel({n})",
-        pairs=tuple([(0, s + 1) for s in range(n)] + [(s + 1, s + 2) for s in range(n - 1)] + [(1, n)]),
+        pairs=tuple(
+            [(0, s + 1) for s in range(n)] + [(s + 1, s + 2) for s in range(n - 1)] + [(1, n)]
+        ),
         normals=tuple(spokes + rims),
         loops=tuple(faces),
         radii=(sp.Rational(1, 2) - rim_radius, *(rim_radius,) * n),

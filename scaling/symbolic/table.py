@@ -1,0 +1,72 @@
+"""The table of small networks: counts, ranks, null spaces and squared gains, all exact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sympy import Expr
+
+from scaling.symbolic.gain import null_space, rank, squared_gain
+from scaling.symbolic.network import SymbolicNetwork
+from scaling.symbolic.networks import bowtie, rhombus, ring, square, triangle, wheel
+
+
+@dataclass(frozen=True)
+class Row:
+    """One network, with or without friction.
+
+    Attributes:
+        name, frictional: which network.
+        grains, contacts: N and c.
+        unknowns, equations: columns and rows of G.
+        self_stress: dimension of the null space of M: forces that need no load.
+        rank: of G; equal to `unknowns` for a unique least-squares solution.
+        squared_gain: K² for diameter noise, exact.
+        value: K² at the network's sample geometry.
+    """
+
+    name: str
+    frictional: bool
+    grains: int
+    contacts: int
+    unknowns: int
+    equations: int
+    self_stress: int
+    rank: int
+    squared_gain: Expr
+    value: float
+
+
+def row(network: SymbolicNetwork, frictional: bool) -> Row:
+    """Return the table row of one network."""
+    G = network.G(frictional)
+    gain = squared_gain(network, frictional)
+    return Row(
+        name=network.name,
+        frictional=frictional,
+        grains=network.grains,
+        contacts=network.contacts,
+        unknowns=G.cols,
+        equations=G.rows,
+        self_stress=null_space(network, frictional).cols,
+        rank=rank(network, frictional),
+        squared_gain=gain,
+        value=float(gain.subs(network.sample)),
+    )
+
+
+def small_networks(largest: int = 8) -> Iterator[SymbolicNetwork]:
+    """Triangle, square, rhombus, bowtie, rings up to `largest`, wheels of 3 to 6 rim grains."""
+    yield from (triangle(), square(), rhombus(), bowtie())
+    yield from (ring(n) for n in range(3, largest + 1))
+    yield from (wheel(n) for n in range(3, min(largest, 6) + 1))
+
+
+def table(largest: int = 8) -> tuple[Row, ...]:
+    """Rows for all small networks, without and with friction; seconds."""
+    return tuple(
+        row(network, frictional)
+        for network in small_networks(largest)
+        for frictional in (False, True)
+    )
