@@ -11,6 +11,7 @@ one field: QQ(u, v) for free angles, QQ(tan π/n) for regular polygons.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import sympy as sp
 from sympy import Expr, Matrix
@@ -79,6 +80,7 @@ def response(
     return _solved(network, G.transpose() * G, G.transpose() * padded.vstack(data)), exact
 
 
+@cache
 def squared_gain(
     network: SymbolicNetwork, frictional: bool = True, noise: str = "diameter"
 ) -> Expr:

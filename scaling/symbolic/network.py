@@ -32,9 +32,9 @@ def rotated(a: Direction, b: Direction) -> Direction:
     return (sp.cancel(a[0] * b[0] - a[1] * b[1]), sp.cancel(a[0] * b[1] + a[1] * b[0]))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SymbolicNetwork:
-    """A contact network whose geometry is exact.
+    """A contact network whose geometry is exact; compared and hashed by identity.
 
     Attributes:
         name: what to call it in tables.

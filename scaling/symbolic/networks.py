@@ -12,6 +12,8 @@ all that G needs.  Parameters are tangents of angles and positive:
 
 from __future__ import annotations
 
+from functools import cache
+
 import sympy as sp
 from sympy import Expr
 
@@ -26,6 +28,7 @@ def _minus(a: tuple[Expr, Expr]) -> tuple[Expr, Expr]:
     return (-a[0], -a[1])
 
 
+@cache
 def triangle() -> SymbolicNetwork:
     """Three touching grains of any radii: R_i = 1/tan(half the angle at i), inradius 1."""
     at_0, (cos_1, sin_1) = direction(u), direction(v)
@@ -39,6 +42,7 @@ def triangle() -> SymbolicNetwork:
     )
 
 
+@cache
 def square() -> SymbolicNetwork:
     """Four equal grains in a ring with corner angles φ and π - φ, u = tan(φ/2)."""
     side = direction(u)
@@ -52,6 +56,7 @@ def square() -> SymbolicNetwork:
     )
 
 
+@cache
 def rhombus() -> SymbolicNetwork:
     """Four grains, five contacts: the smallest hyperstatic frictional cell."""
     cos, sin = direction(u)
@@ -65,6 +70,7 @@ def rhombus() -> SymbolicNetwork:
     )
 
 
+@cache
 def ring(n: int) -> SymbolicNetwork:
     """n >= 3 equal grains around a regular polygon, one face of n contacts."""
     _require(n)
@@ -83,6 +89,7 @@ def ring(n: int) -> SymbolicNetwork:
     )
 
 
+@cache
 def wheel(n: int) -> SymbolicNetwork:
     """A hub (grain 0), n >= 3 rim grains touching it and each other: 2n contacts, n faces."""
     _require(n)
@@ -110,6 +117,7 @@ def wheel(n: int) -> SymbolicNetwork:
     )
 
 
+@cache
 def bowtie(bend: Expr = ZERO) -> SymbolicNetwork:
     """Two isosceles triangles (0, 1, 2) and (0, 3, 4) sharing grain 0.
 

@@ -1,0 +1,148 @@
+"""Symbols against floating point on the same networks, over random geometries.
+
+Tolerances: M and Q are evaluated entry by entry, a few eps.  K comes from a pseudo-inverse,
+eps times the condition number of G.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+import scaling
+from scaling.symbolic import bowtie, bridge, rhombus, ring, square, squared_gain, triangle, wheel
+from scaling.symbolic.networks import u, v
+
+EPS = np.finfo(float).eps
+NETWORKS = {
+    n.name: n
+    for n in (
+        triangle(),
+        square(),
+        rhombus(),
+        bowtie(),
+        ring(3),
+        ring(5),
+        ring(8),
+        wheel(3),
+        wheel(6),
+    )
+}
+FREE = ("triangle", "square", "rhombus", "bowtie")
+GAINS = {(name, mu): squared_gain(NETWORKS[name], mu) for name in FREE for mu in (False, True)}
+
+tangents = st.floats(0.05, 0.95)
+
+
+@st.composite
+def geometries(draw):
+    """A small network with free angles: the picture shrinks towards small, simple angles."""
+    name = draw(st.sampled_from(FREE))
+    values = {u: draw(tangents)}
+    if name == "triangle":
+        values[v] = draw(tangents)
+    return name, values
+
+
+def rows_matched(exact, numeric):
+    """Rows of Q agree up to the order of the loops."""
+    size = len(exact) // 2
+    pairs = lambda Q: np.hstack([Q[:size], Q[size:]])  # noqa: E731
+    distance = np.abs(pairs(exact)[:, None] - pairs(numeric)[None]).max(axis=2)
+    return distance.min(axis=1).max() + distance.min(axis=0).max()
+
+
+def compare(network, values, frictional):
+    numeric = bridge.contact_network(network, values)
+    equation = scaling.force_equation(numeric, frictional=frictional)
+    M, Q, G = bridge.matrices(network, frictional, values)
+    size = numeric.positions.max() / numeric.radii.min()  # normals from rounded centres
+    entry = 20 * EPS * max(size, 1)
+    np.testing.assert_allclose(equation.M.toarray(), M, rtol=0, atol=entry)
+    assert rows_matched(Q, equation.Q.toarray()) < entry
+    condition = np.linalg.cond(G)
+    K = scaling.gain(numeric, frictional=frictional) / numeric.mean_diameter
+    expected = bridge.gain(network, frictional, values=values)
+    assert pytest.approx(expected, rel=entry * condition) == K
+    return K, entry * condition
+
+
+@given(geometries(), st.booleans())
+def test_random_geometries_agree(geometry, frictional):
+    name, values = geometry
+    K, tolerance = compare(NETWORKS[name], values, frictional)
+    # a rational function of degree ~60 in u: evaluated with rational arithmetic, then rounded
+    exact = GAINS[name, frictional].subs({k: sp.Rational(float(x)) for k, x in values.items()})
+    assert np.sqrt(float(exact)) == pytest.approx(K, rel=4 * tolerance)
+
+
+@pytest.mark.parametrize("frictional", [False, True])
+@pytest.mark.parametrize("name", ["ring(3)", "ring(5)", "ring(8)", "wheel(3)", "wheel(6)"])
+def test_regular_networks_agree(name, frictional):
+    K, tolerance = compare(NETWORKS[name], None, frictional)
+    exact = squared_gain(NETWORKS[name], frictional)
+    assert np.sqrt(float(sp.N(exact, 30))) == pytest.approx(K, rel=4 * tolerance)
+
+
+@given(geometries(), st.floats(1e-6, 1e-2), st.integers(0, 2**32 - 1))
+def test_forces_agree(geometry, delta, seed):
+    """Truth first: choose f, load the grains with -Mf, close the loops with Qf Δ, recover f."""
+    name, values = geometry
+    network = NETWORKS[name]
+    M, _, G = bridge.matrices(network, True, values)
+    f = np.random.default_rng(seed).uniform(0.1, 1, G.shape[1])
+    numeric = bridge.contact_network(network, values)
+    loads = -(M @ f).reshape(3, -1).T * delta
+    loads[:, 2] *= numeric.radii
+    loaded = scaling.ContactNetwork(
+        None, numeric.radii, numeric.pairs, normals=numeric.normals, external=loads
+    )
+    equation = scaling.force_equation(loaded)
+    sizes = numeric.sigma + delta * f[: numeric.contacts]
+    balance = equation.rhs(1.0)[: M.shape[0]]
+    right = np.concatenate([balance, equation.Q @ sizes])
+    found = np.linalg.lstsq(equation.G.toarray(), right, rcond=None)[0] / delta
+    rounding = 50 * EPS * np.linalg.cond(G) * (1 + numeric.sigma.max() / delta)
+    np.testing.assert_allclose(found, f, atol=rounding * np.linalg.norm(f))
+
+
+def test_a_flipped_tangent_is_noticed():
+    """Negative control: with t turned by -90° the numeric M is not the symbolic one."""
+    network = rhombus()
+    M, *_ = bridge.matrices(network)
+    flipped = M.copy()
+    flipped[: 2 * network.grains, network.contacts :] *= -1
+    numeric = scaling.force_equation(bridge.contact_network(network)).M.toarray()
+    assert np.abs(numeric - flipped).max() > 0.5
+
+
+def test_bad_parameters_name_the_culprit():
+    with pytest.raises(ValueError, match="triangle has no free parameter q"):
+        bridge.matrices(triangle(), values={sp.Symbol("q"): 1.0})
+    with pytest.raises(ValueError, match="not all positive"):
+        bridge.contact_network(triangle(), {u: 2.0, v: 3.0})
+
+
+def test_importing_scaling_loads_no_sympy():
+    code = "import sys, scaling; sys.exit('sympy' in sys.modules)"
+    root = Path(scaling.__file__).parents[1]
+    assert subprocess.run([sys.executable, "-c", code], cwd=root, check=False).returncode == 0
+
+
+def test_symbolic_loads_no_matplotlib():
+    code = "import sys, scaling.symbolic; sys.exit('matplotlib' in sys.modules)"
+    root = Path(scaling.__file__).parents[1]
+    assert subprocess.run([sys.executable, "-c", code], cwd=root, check=False).returncode == 0
+
+
+def test_only_the_bridge_lambdifies():
+    folder = Path(scaling.__file__).parent / "symbolic"
+    users = [path.stem for path in folder.glob("*.py") if "lambdify(" in path.read_text()]
+    assert users == ["bridge"]
