@@ -17,8 +17,8 @@ from scaling.symbolic.gain import loop_gaps, null_space, pseudo_inverse, rank, s
 from scaling.symbolic.network import SymbolicNetwork
 from scaling.symbolic.networks import bowtie, rhombus, ring, square, triangle, wheel
 from scaling.symbolic.perturbation import perturbation_steps
+from scaling.symbolic.small_networks import table
 from scaling.symbolic.step import Step
-from scaling.symbolic.table import table
 
 __all__ = [
     "Step",

@@ -9,6 +9,8 @@ purely transverse self-stress, and there K² ~ 1/(1 - s) with friction, and only
 
 from __future__ import annotations
 
+from functools import cache
+
 import sympy as sp
 from sympy import Expr, Symbol
 
@@ -88,6 +90,7 @@ def table_of_limits() -> dict[str, tuple[Expr, Expr]]:
     return rows
 
 
+@cache
 def large_ring(frictional: bool = True) -> Expr:
     """Leading term of K² for rings of many grains, n → ∞: analytic in 1/n."""
     expr = ring_squared_gain(frictional).subs(theta, 2 * sp.pi / n).subs(n, 1 / h)

@@ -30,3 +30,10 @@ class Step:
     def holds(self) -> bool:
         """Whether every difference simplifies to zero; a step with none does not hold."""
         return bool(self.check) and all(sp.simplify(difference) == 0 for difference in self.check)
+
+    def _repr_markdown_(self) -> str:
+        verdict = "holds" if self.holds else "**DOES NOT HOLD**"
+        return (
+            f"**{self.name}.** {self.statement}\n\n$${self.latex}$$\n\n"
+            f"*because* {self.because}; *checked:* {len(self.check)} differences, {verdict}."
+        )

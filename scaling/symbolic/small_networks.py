@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import sympy as sp
 from sympy import Expr
 
-from scaling.symbolic.gain import null_space, rank, squared_gain
+from scaling.symbolic.gain import rank, squared_gain
 from scaling.symbolic.network import SymbolicNetwork
 from scaling.symbolic.networks import bowtie, rhombus, ring, square, triangle, wheel
 
@@ -49,7 +50,7 @@ def row(network: SymbolicNetwork, frictional: bool) -> Row:
         contacts=network.contacts,
         unknowns=G.cols,
         equations=G.rows,
-        self_stress=null_space(network, frictional).cols,
+        self_stress=G.cols - rank(network, frictional, matrix="M"),
         rank=rank(network, frictional),
         squared_gain=gain,
         value=float(gain.subs(network.sample)),
@@ -70,3 +71,20 @@ def table(largest: int = 8) -> tuple[Row, ...]:
         for network in small_networks(largest)
         for frictional in (False, True)
     )
+
+
+def markdown(rows: tuple[Row, ...]) -> str:
+    """Return the table as Markdown; gains longer than a line appear by their value only."""
+    lines = [
+        "| network | friction | N | c | equations × unknowns | rank | self-stress | K² | value |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for r in rows:
+        formula = sp.latex(r.squared_gain)
+        shown = f"${formula}$" if len(formula) < 60 else "(see the closed forms)"
+        lines.append(
+            f"| {r.name} | {'yes' if r.frictional else 'no'} | {r.grains} | {r.contacts} "
+            f"| {r.equations} × {r.unknowns} | {r.rank} | {r.self_stress} | {shown} "
+            f"| {r.value:.5f} |"
+        )
+    return "\n".join(lines)
