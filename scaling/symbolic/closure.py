@@ -34,10 +34,10 @@ def walked(length: Expr = n) -> Expr:
     return sp.Sum(centre(k + 1) - centre(k), (k, 0, length - 1)).doit()
 
 
-def closure_residual(winding: bool) -> Expr:
-    """Σ r_k n_k - Λ with the end of the walk identified with its start (or its image)."""
-    shift = Lambda if winding else sp.S.Zero
-    return sp.expand(walked().subs(centre(n), centre(0) + shift) - shift)
+def closed_walk(winding: bool) -> Expr:
+    """Σ r_k n_k with the end of the walk identified with its start, or with its image by Λ."""
+    end = centre(0) + Lambda if winding else centre(0)
+    return sp.expand(walked().subs(centre(n), end))
 
 
 def induction() -> tuple[Expr, Expr]:
@@ -56,7 +56,7 @@ def overlap_residual() -> Expr:
     direction = (centre(k + 1) - centre(k)) / (diameter(k) - gap(k))
     summand = sp.simplify((diameter(k) - gap(k)) * direction - (centre(k + 1) - centre(k)))
     remainder = sp.Sum(summand, (k, 0, n - 1)).doit()
-    return sp.expand(remainder + closure_residual(winding=True))
+    return sp.expand(remainder + closed_walk(winding=True) - Lambda)
 
 
 def loop_vector(loop: Loop, normals: Sequence[Direction], lengths: Sequence[Expr]) -> Direction:

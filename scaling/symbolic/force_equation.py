@@ -55,14 +55,14 @@ def geometry_steps() -> tuple[Step, ...]:
             "The centres around a contractible loop of any length n close.",
             r"\sum_{k<n}r_kn_k=\sum_{k<n}(x_{k+1}-x_k)=x_n-x_0=0",
             "r n is the difference of consecutive centres; the sum telescopes (also by induction)",
-            (closure.closure_residual(winding=False), *closure.induction()),
+            (closure.closed_walk(winding=False), *closure.induction()),
         ),
         Step(
             "winding",
             "Around a periodic cell the walk ends at an image: the sum is a lattice vector Λ.",
             r"\sum_{k<n}r_kn_k=x_n-x_0=\Lambda",
             "the same telescope with x_n = x_0 + Λ",
-            (closure.closure_residual(winding=True),),
+            (closure.closed_walk(winding=True) - closure.Lambda,),
         ),
         Step(
             "closure in overlaps",

@@ -113,6 +113,29 @@ def test_forces_agree(geometry, delta, seed):
     np.testing.assert_allclose(found, f, atol=rounding * np.linalg.norm(f))
 
 
+@pytest.mark.parametrize("noise", ["diameter", "radius", "relative", "position"])
+@pytest.mark.parametrize("name", FREE)
+def test_every_kind_of_noise_agrees(name, noise):
+    """K of the numeric package is a length, the exact one is per mean diameter."""
+    network = NETWORKS[name].at()
+    numeric = bridge.contact_network(network)
+    K = scaling.gain(numeric, noise=noise) / numeric.mean_diameter
+    condition = np.linalg.cond(bridge.matrices(network)[2])
+    exact = np.sqrt(float(squared_gain(network, noise=noise)))
+    assert pytest.approx(exact, rel=100 * EPS * condition) == K
+
+
+def test_amplification_of_a_loaded_rhombus():
+    """C = K p/⟨|f|⟩ with explicit forces; no forces are needed for K itself."""
+    network = NETWORKS["rhombus"]
+    numeric = bridge.contact_network(network)
+    f = np.array([3, 1, 2, 1, 2, 0, 0.3, -0.1, 0.2, 0.1])
+    K2 = float(GAINS["rhombus", True].subs(network.sample))
+    expected = np.sqrt(K2) * numeric.mean_diameter * 2.5 / np.hypot(f[:5], f[5:]).mean()
+    C = scaling.amplification(numeric, forces=f, pressure=2.5)
+    assert pytest.approx(expected, rel=1000 * EPS) == C
+
+
 def test_a_flipped_tangent_is_noticed():
     """Negative control: with t turned by -90° the numeric M is not the symbolic one."""
     network = rhombus()

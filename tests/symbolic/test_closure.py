@@ -29,8 +29,8 @@ def test_symbolic_walk_agrees_with_the_explicit_sum(length):
 
 def test_induction_and_both_kinds_of_loop():
     assert closure.induction() == (0, 0)
-    assert closure.closure_residual(winding=False) == 0
-    assert closure.closure_residual(winding=True) == 0
+    assert closure.closed_walk(winding=False) == 0
+    assert closure.closed_walk(winding=True) == Lambda
 
 
 @pytest.mark.parametrize("network", NETWORKS, ids=lambda network: network.name)
