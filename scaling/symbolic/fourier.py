@@ -42,15 +42,16 @@ def ring_rows() -> Matrix:
     return _jacobian(rows, [a_n, a_t])
 
 
-def closure_projector(difference: Expr) -> Expr:
-    """(QᵀQ) cos = (n/2) cos on a ring: Σ_e' cos((e-e')θ) cos e'θ - (n/2) cos eθ, θ = 2π/n.
+def closure_defect(contact: Expr) -> Expr:
+    """Σ_e' cos((e-e')θ) cos e'θ - (n/2) cos eθ for θ = 2π/n: QᵀQ is n/2 on the waves q = ±θ.
 
-    Half the sum is (n/2) cos eθ; the other half is the geometric sum of e^{2ie'θ}, whose
-    closed form is returned for e = `difference`: zero because e^{2inθ} = 1.
+    Half the product's cosines sum to (n/2) cos eθ; the other half is the real part of
+    e^{-ieθ} Σ e^{2ie'θ}/2, a geometric sum whose closed form is returned at e = `contact`:
+    zero because e^{2inθ} = 1.
     """
     ratio = sp.exp(4 * sp.pi * I / n)
     geometric = (1 - sp.powsimp(ratio**n)) / (1 - ratio)
-    return sp.re(sp.exp(-2 * sp.pi * I * difference / n) * geometric) / 2
+    return sp.re(sp.exp(-2 * sp.pi * I * contact / n) * geometric) / 2
 
 
 @cache

@@ -59,7 +59,7 @@ def contact_force() -> Expr:
 def sphere_law() -> Expr:
     """F(δ) of two equal spheres: match the parabola δ - r²/σ' of the gap and eliminate a, p0.
 
-    Two spheres of diameter σ leave the gap r²/σ·2 in total; each half space takes half of δ.
+    The gap of two spheres of diameter σ is 2 r²/σ: each half space takes half of it and of δ.
     """
     displacement = surface_displacement()
     wanted = delta / 2 - r**2 / sigma  # each sphere of radius σ/2 drops by r²/(2·σ/2)
@@ -94,7 +94,7 @@ def disk_compression() -> Expr:
 
 
 def disk_leading_order() -> Expr:
-    """Leading order of the compression for a → 0: F (1-ν²)/(πE) · (2 ln(4R/a) - 1 - ...)."""
+    """Leading order of the compression for a → 0: F (1-ν²)/(πE) (2 ln(4R/a) - 1)."""
     full = disk_compression()
     small = sp.Symbol("epsilon", positive=True)
     scaled = sp.simplify(full.subs(a, small * R) * sp.pi * young / (load * (1 - nu**2)))

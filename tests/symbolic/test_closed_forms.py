@@ -24,7 +24,7 @@ from scaling.symbolic import (
     wheel_squared_gain,
 )
 from scaling.symbolic.closed_forms import elementary, in_radii, in_sine, sine
-from scaling.symbolic.fourier import closure_projector, n, theta
+from scaling.symbolic.fourier import closure_defect, n, theta
 from scaling.symbolic.limits import large_ring, leading, table_of_limits
 from scaling.symbolic.networks import u, v
 
@@ -79,7 +79,7 @@ def test_ring_of_any_size_agrees_with_the_exact_matrices(size, frictional):
 
 
 def test_closure_projects_on_two_waves():
-    assert closure_projector(sp.Symbol("e", integer=True)) == 0
+    assert closure_defect(sp.Symbol("e", integer=True)) == 0
 
 
 @pytest.mark.parametrize("size", [3, 4, 6])
