@@ -2,6 +2,8 @@
 # make figures FULL=1  publication edition (N = 1000), to figures/
 # make test            lint, types and tests
 # make fuzz            the property tests, long
+# make notebooks       the derivations, run and rendered to build/notebooks/
+# make bench           timings of the DEM
 # Each target makes the virtual environment it needs.
 
 PYTHON ?= python3
@@ -13,7 +15,7 @@ RUN = .venv/bin/python
 TEST = .venv-test/bin/python
 INSTALL = -m pip install --quiet --disable-pip-version-check --editable
 
-.PHONY: figures test fuzz bench clean
+.PHONY: figures test fuzz bench notebooks clean
 
 figures: .venv/ready$(if $(FULL),-full)
 	$(RUN) -m paper_figs $(if $(FULL),--full)
@@ -22,10 +24,13 @@ test: .venv-test/ready
 	$(TEST) -m ruff check .
 	$(TEST) -m ruff format --check .
 	$(TEST) -m mypy
-	$(TEST) -m pytest --numprocesses=2
+	$(TEST) -m pytest --numprocesses=2 --nbmake tests notebooks
 
 fuzz: .venv-test/ready
 	HYPOTHESIS_PROFILE=fuzz $(TEST) -m pytest tests/properties
+
+notebooks: .venv-test/ready
+	$(TEST) -m nbconvert --execute --to html --output-dir build/notebooks notebooks/*.ipynb
 
 bench: .venv/ready-full
 	$(RUN) benchmarks/step_cost.py

@@ -34,14 +34,20 @@ def tops(module: Path) -> set[str]:
 @pytest.mark.parametrize(
     ("package", "forbidden"),
     [
-        ("dem", {"scaling", "paper_figs", "tests", "sympy", "matplotlib"}),
-        ("scaling", {"dem", "paper_figs", "tests", "matplotlib"}),
+        ("dem", {"scaling", "paper_figs", "tests", "sympy"}),
+        ("scaling", {"dem", "paper_figs", "tests"}),
     ],
 )
 def test_packages_do_not_know_each_other(package, forbidden):
     assert modules(package)
     for module in modules(package):
         assert not tops(module) & forbidden, module.name
+
+
+def test_only_the_sketch_knows_matplotlib():
+    for package in ("dem", "scaling"):
+        plotting = [m.stem for m in modules(package) if "matplotlib" in tops(m)]
+        assert set(plotting) <= {"sketch"}
 
 
 def test_numeric_modules_do_not_know_sympy():
