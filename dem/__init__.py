@@ -14,6 +14,7 @@ from dem.relax import NotRelaxed, relax
 from dem.scene import Scene
 from dem.settings import Settings
 from dem.state import History, State
+from dem.stiffen import refine, stiffen
 
 __all__ = [
     "ContactLaw",
@@ -25,7 +26,9 @@ __all__ = [
     "Settings",
     "State",
     "packing_key",
+    "refine",
     "relax",
     "relax_ensemble",
     "step",
+    "stiffen",
 ]

@@ -20,12 +20,14 @@ from tqdm import tqdm
 from dem.integrator import resolve_backend
 from dem.packing import Packing
 from dem.packing_file import FORMAT
-from dem.relax import relax
+from dem.relax import CONTINUED_BELOW, relax
 from dem.scene import Scene
 from dem.settings import Settings
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
 ALGORITHM = 2
+#: The same for packings with Δ < 1e-6, which are continued from 1e-6.
+CONTINUATION = 1
 
 
 def packing_key(scene: Scene, seed: int, settings: Settings) -> str:
@@ -37,6 +39,8 @@ def packing_key(scene: Scene, seed: int, settings: Settings) -> str:
         "format": FORMAT,
         "algorithm": ALGORITHM,
     }
+    if settings.polish and scene.delta < CONTINUED_BELOW:
+        facts["continuation"] = CONTINUATION
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
 
 

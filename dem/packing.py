@@ -17,6 +17,7 @@ import numpy as np
 
 from dem.packing_file import read_record, write_record
 from dem.state import Floats, Ints
+from doubledouble import EPS, DoubleDouble, hypot
 
 #: Largest force or torque residual, in p⟨σ⟩, that still counts as balanced.  Integration to
 #: ⟨v⟩ < 1e-8 leaves ~ 1e-8 Δ^(-1/2); a packing in motion has residuals of order 1.
@@ -34,6 +35,9 @@ class Packing:
     ``tangential_forces (c,)``, ``external (N, 3)`` force and torque, ``stiffness`` κ,
     ``pressure`` p, ``friction`` μ; ``info``: steps, residuals, seed, settings, versions.
     Lengths in ⟨σ⟩, forces in κ⟨σ⟩ when made by ``relax``.
+
+    ``positions_low``, ``radii_low``, ``cell_low``: None, or what the doubles leave out (value =
+    high + low); with them ``overlaps`` are good to 16 digits at any Δ.
 
     Raises
     ------
@@ -53,6 +57,9 @@ class Packing:
     pressure: float
     friction: float
     info: dict[str, Any] = field(default_factory=dict)
+    positions_low: Floats | None = None
+    radii_low: Floats | None = None
+    cell_low: Floats | None = None
 
     def __post_init__(self) -> None:
         count, contacts = len(self.radii), len(self.pairs)
@@ -67,6 +74,11 @@ class Packing:
         }
         if self.cell is not None:
             shapes["cell"] = (2, 2)
+        elif self.cell_low is not None:
+            raise ValueError("cell_low is given, but there is no cell")
+        for name in ("positions", "radii", "cell"):
+            if getattr(self, f"{name}_low") is not None:
+                shapes[f"{name}_low"] = shapes[name]
         for name, shape in shapes.items():
             kind = np.int64 if name in ("pairs", "images") else np.float64
             array = np.array(getattr(self, name), dtype=kind)
@@ -96,7 +108,8 @@ class Packing:
             )
         span = float(np.ptp(self.positions, axis=0).max()) if self.cell is None else self.width
         gap = -self.overlaps
-        allowed = TOUCHING * np.finfo(float).eps * (span + 1)
+        ulp = np.finfo(float).eps if self.positions_low is None else EPS
+        allowed = TOUCHING * ulp * (span + 1)
         if len(gap) and gap.max() > allowed:
             e = int(gap.argmax())
             i, j = self.pairs[e]
@@ -138,9 +151,18 @@ class Packing:
 
     @property
     def overlaps(self) -> Floats:
-        """δ = R_i + R_j - r ``(c,)``; the difference loses log10(1/Δ) digits."""
+        """δ = R_i + R_j - r ``(c,)``; without low parts it loses log10(1/Δ) digits."""
         i, j = self.pairs.T
-        return self.radii[i] + self.radii[j] - np.abs(self.branches)
+        if self.positions_low is None and self.radii_low is None and self.cell_low is None:
+            return self.radii[i] + self.radii[j] - np.abs(self.branches)
+        x = DoubleDouble.of(self.positions, self.positions_low)
+        radii = DoubleDouble.of(self.radii, self.radii_low)
+        d = x[j] - x[i]
+        if self.cell is not None:
+            cell = DoubleDouble.of(self.cell, self.cell_low)
+            for k in (0, 1):
+                d = d + self.images[:, k, None] * cell[k]
+        return (radii[i] + radii[j] - hypot(d[:, 0], d[:, 1])).high
 
     @property
     def rattlers(self) -> np.ndarray:

@@ -1,7 +1,8 @@
 """The file of a packing: an npz without pickle, with a format number and ``info`` as JSON.
 
-A file is written beside its target and moved there when it is whole, so that a killed run never
-leaves half a packing under a good name.
+Format 2 is format 1 with low parts (``positions_low`` ...); a packing without them is written as
+format 1, which older versions read too.  A file is written beside its target and moved there
+when it is whole, so that a killed run never leaves half a packing under a good name.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-FORMAT = 1
+FORMAT, FORMAT_WITH_LOW = 1, 2
 _NUMBERS = ("stiffness", "pressure", "friction")
 
 
@@ -24,7 +25,8 @@ def write_record(target: Path, arrays: dict[str, Any], info: dict[str, Any]) -> 
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
     with part.open("wb") as stream:
-        np.savez_compressed(stream, format=FORMAT, info=json.dumps(info), **arrays)
+        number = FORMAT_WITH_LOW if any(k.endswith("_low") for k in arrays) else FORMAT
+        np.savez_compressed(stream, format=number, info=json.dumps(info), **arrays)
     part.replace(target)
 
 
@@ -43,8 +45,10 @@ def read_record(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         raise ValueError(f"{path} is cut off, or not a packing: {error}") from error
     if "format" not in record:
         raise ValueError(f"{path} is an npz, but not of a packing: it has no format number")
-    if (number := int(record.pop("format"))) != FORMAT:
-        raise ValueError(f"{path} has format {number}; {FORMAT} is the one known here")
+    if (number := int(record.pop("format"))) not in (FORMAT, FORMAT_WITH_LOW):
+        raise ValueError(
+            f"{path} has format {number}; {FORMAT} and {FORMAT_WITH_LOW} are those known here"
+        )
     if missing := [name for name in (*_NUMBERS, "info") if name not in record]:
         raise ValueError(f"{path} is not a whole packing: {missing[0]} is missing")
     return record, json.loads(str(record.pop("info")))

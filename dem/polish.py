@@ -41,8 +41,19 @@ def polish(state: State, near: Neighbours, law: ContactLaw, pressure: float) -> 
     balance = Equilibrium(state, near, law, pressure)
     # Positions cannot hold the residual below ~ κ ε L.
     floor = 2 * law.stiffness * np.finfo(float).eps * float(state.cell.max())  # type: ignore
-    good = max(1e-9 * pressure, 100 * floor)
-    y = np.zeros(3 * len(state.radii) + 1)
+    kept, iterations = newton(balance, floor, max(1e-9 * pressure, 100 * floor))
+    rest = _carry(balance, kept, pressure, iterations)
+    _store(state, balance, kept, rest)
+    return rest
+
+
+def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]:
+    """The trial of the smallest residual, and the number of iterations.
+
+    Ends at a residual of ``floor``, or when it stalls below ``good``; stalled above: PolishFailed.
+    """
+    pressure = balance.pressure
+    y = np.zeros(3 * balance.count + 1)
     trial = kept = balance.trial(y)
     best, stalled, iterations = np.inf, 0, 0
     while iterations < ITERATIONS:
@@ -63,9 +74,7 @@ def polish(state: State, near: Neighbours, law: ContactLaw, pressure: float) -> 
         iterations += 1
     if best > good:
         raise PolishFailed(f"the residual stays at {best / pressure:.3g} p")
-    rest = _carry(balance, kept, pressure, iterations)
-    _store(state, balance, kept, rest)
-    return rest
+    return kept, iterations
 
 
 def _carry(balance: Equilibrium, trial: Trial, pressure: float, iterations: int) -> Rest:
@@ -89,8 +98,9 @@ def _carry(balance: Equilibrium, trial: Trial, pressure: float, iterations: int)
 
 def _store(state: State, balance: Equilibrium, trial: Trial, rest: Rest) -> None:
     near = balance.near
-    state.positions = np.column_stack([trial.z.real, trial.z.imag])
-    state.cell = np.diag(near.sides * balance.scale * trial.stretch)
+    z = balance.centres(trial.y)
+    state.positions = np.column_stack([z.real, z.imag])
+    state.cell = np.diag(near.sides * balance.scale * balance.stretch(trial.y))
     near.elongation[:] = rest.tangential / balance.law.tangential
     state.history = near.history()
     state._near = state._forces = None

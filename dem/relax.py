@@ -4,11 +4,12 @@ The clock of the problem is the inertial time ⟨σ⟩√(ρ/p), that of the int
 ratio Δ^(-1/2) is the number of steps, up to a factor.  Integration ends when the mean speed is
 below ``Settings.speed`` √(p/ρ); Newton's method on the contacts does the rest.  Where it fails
 (a group of grains still leaving its last contacts), integration goes on and it is tried again.
+Below Δ = 1e-6 the packing of 1e-6 is continued to Δ by Newton's method alone (``dem.stiffen``).
 """
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.metadata import version
 from math import sqrt
 
@@ -25,7 +26,12 @@ from dem.scene import Scene
 from dem.settings import Settings
 from dem.start import loose_state
 from dem.state import State
+from dem.stiffen import stiffen
 
+#: Below this Δ packings come by continuation, in extended precision.
+CONTINUED_BELOW = 1e-6
+#: Where continuation starts; the next is tried if the contacts of the last cannot be continued.
+CONTINUED_FROM = (1e-6, 5e-7, 2.5e-7)
 #: Steps between two looks at the speed.
 STRIDE = 200
 #: The pressure must have arrived, too: a gas at rest is not a packing.
@@ -52,13 +58,31 @@ def relax(
     """A packing of ``scene``, from random positions drawn with ``seed``.
 
     Same scene, seed, settings and backend: the same packing, bit for bit, on the same machine.
+    With Δ < 1e-6 and the polish it carries low parts and is a continuation of the one at 1e-6.
     ``progress``: None shows a bar on a terminal only, False never.
 
     Raises
     ------
     ValueError : a scene whose cell is too narrow for its grains, or a negative seed.
     NotRelaxed : rest was not reached within ``settings.longest`` inertial times.
+    PolishFailed : continuation to Δ < 1e-6 stopped on the way, from each start.
     """
+    if not settings.polish or scene.delta >= CONTINUED_BELOW:
+        return _integrate(scene, seed, settings, progress)
+    starts = [d for d in CONTINUED_FROM if d > scene.delta]
+    for k, delta in enumerate(starts):
+        softer = replace(scene, delta=delta)
+        packing = _integrate(softer, seed, settings, progress)
+        packing.info["scene"] = asdict(scene)
+        try:
+            return stiffen(packing, scene.delta)
+        except PolishFailed:
+            if k == len(starts) - 1:
+                raise
+    raise AssertionError("Δ < 1e-6 has a start above it")
+
+
+def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | None) -> Packing:
     state = loose_state(scene, np.random.default_rng(seed))
     inertial = 1 / sqrt(scene.pressure)
     mass = float(np.pi * np.mean(state.radii) ** 2)

@@ -32,10 +32,9 @@ PIN = 1e-13
 
 @dataclass(frozen=True)
 class Trial:
-    """Contacts and forces at trial positions ``z``; ``load`` is 2 p A/ℓ; R = M f - load."""
+    """Contacts and forces after the moves ``y``; ``load`` is 2 p A/ℓ; R = M f - load."""
 
-    z: np.ndarray
-    stretch: float
+    y: Floats
     r: Floats
     normal: Floats
     tangential: Floats
@@ -71,22 +70,35 @@ class Equilibrium:
         """Forces after the moves ``y``, history counted from the start."""
         law, near, count = self.law, self.near, self.count
         i, j = near.columns
-        stretch = 1 + y[-1] / self.span
-        z = self.z * stretch + (y[:count] + 1j * y[count : 2 * count])
         turn = y[2 * count : -1]
-        d = z[j] - z[i] + near.shift * self.scale * stretch
+        d, overlap, aside = self.branches(y)
         r = np.abs(d)
-        normal = law.stiffness * np.maximum(near.sigma - r, 0.0)
+        normal = law.stiffness * np.maximum(overlap, 0.0)
         bearing = backbone(near.pairs, normal > 0, count, fewest_contacts(law))
         normal[~bearing] = 0.0
-        slip = (d * (self.start / np.abs(self.start)).conj()).imag - turn[i] - turn[j]
-        sprung = law.tangential * (near.elongation + slip)
+        sprung = law.tangential * (near.elongation + (aside - turn[i] - turn[j]))
         cap = law.friction * normal
         return Trial(
-            z, stretch, r, normal, np.clip(sprung, -cap, cap), bearing, np.abs(sprung) >= cap,
+            y, r, normal, np.clip(sprung, -cap, cap), bearing, np.abs(sprung) >= cap,
             *self._columns(d / r, r),
-            load=2 * self.pressure * self.area * stretch**2 / self.span,
+            load=2 * self.pressure * self.area * self.stretch(y) ** 2 / self.span,
         )  # fmt: skip
+
+    def stretch(self, y: Floats) -> float:
+        """Size of the cell after ``y``, in units of that at the start."""
+        return float(1 + y[-1] / self.span)
+
+    def centres(self, y: Floats) -> np.ndarray:
+        """Positions after ``y``, complex ``(N,)``."""
+        return self.z * self.stretch(y) + (y[: self.count] + 1j * y[self.count : 2 * self.count])
+
+    def branches(self, y: Floats) -> tuple[np.ndarray, Floats, Floats]:
+        """Branch vectors (complex), overlaps, and displacements across the starting branch."""
+        i, j = self.near.columns
+        z = self.centres(y)
+        d = z[j] - z[i] + self.near.shift * self.scale * self.stretch(y)
+        aside = (d * (self.start / np.abs(self.start)).conj()).imag
+        return d, self.near.sigma - np.abs(d), aside
 
     def _columns(self, n: np.ndarray, r: Floats) -> tuple[csr_array, csr_array, csr_array]:
         """M_n with the cell's row, M_t, and M_t without its torque rows; ``(3N + 1, c)``."""

@@ -14,7 +14,8 @@ contact scale Δ = p/κ: it is O(1), a matter of directions. Without friction th
 unknowns and no torque rows.
 
 Q|σ⟩ = O(Δ) is what cancellation leaves of O(1) terms: with sizes to relative precision ε its
-relative error is ε/Δ. That is the content of the Comment, and for ε = 2e-16 a matter of rounding.
+relative error is ε/Δ. That is the content of the Comment, and for ε = 2e-16 a matter of rounding;
+networks with low parts compute it in 32 digits (`scaling.extended`).
 """
 
 from __future__ import annotations
@@ -156,6 +157,10 @@ class ForceEquation:
     def rhs(self, stiffness: float) -> Floats:
         """( -|F_ext⟩ ; κ (Q|σ⟩ - Λ) ), in units of force."""
         loops, cell = self.matrices.loops, self.network.cell
+        extended = self.network.extended
+        if extended is not None and not self.network._directions_measured:
+            closure = stiffness * extended.loop_sums(self.network, loops)
+            return np.concatenate([self.balance_rhs(), closure])
         Λ = np.zeros(2 * len(loops))
         if cell is not None:
             Λ = (loops.images @ cell).T.ravel()

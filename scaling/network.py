@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 
 from scaling import checks, subnetwork
 from scaling.checks import Floats, Integers, frozen
+from scaling.extended import Extended, with_low_parts
 from scaling.loops import Loops, faces
 from scaling.windings import Forest, spanning_forest, winding_loops
 
@@ -47,6 +48,8 @@ class ContactNetwork:
     external : (N, 3) force and torque on each grain, default none
     normals : (c, 2) unit vectors, when directions were measured themselves; they then
         stand for the directions and `positions` (if any) for the distances only
+    positions_low, radii_low, cell_low : what the doubles leave out (value = high + low), for
+        Δ below ~1e-6; overlaps and Q|σ⟩ are then computed in 32 digits
 
     Lengths, forces: any consistent units. Grains without contacts and negative overlaps
     are legitimate. ValueError: bad input, naming grain or contact and number.
@@ -61,6 +64,8 @@ class ContactNetwork:
     normals: Floats
     contact_index: Integers
     """(c,) contacts of the network this one was cut from; 0 ... c-1 if it was not cut."""
+    extended: Extended | None
+    """The lengths in 32 digits if low parts were given, else None."""
     _directions_measured: bool
     # What depends on pairs and directions alone (loops, matrices, factorisations), shared with the
     # networks that differ in sizes and loads only.
@@ -76,6 +81,9 @@ class ContactNetwork:
         images: ArrayLike | None = None,
         external: ArrayLike | None = None,
         normals: ArrayLike | None = None,
+        positions_low: ArrayLike | None = None,
+        radii_low: ArrayLike | None = None,
+        cell_low: ArrayLike | None = None,
     ) -> None:
         R = checks.radii_of_grains(radii)
         N = len(R)
@@ -111,6 +119,7 @@ class ContactNetwork:
             external=frozen(F),
             normals=frozen(n),
             contact_index=frozen(np.arange(len(ij))),
+            extended=with_low_parts(x, R, H, positions_low, radii_low, cell_low),
             _directions_measured=normals is not None,
             _geometry={},
         )
@@ -123,9 +132,10 @@ class ContactNetwork:
     def from_packing(cls, packing: Any) -> ContactNetwork:
         """The network of anything with `positions`, `radii` and `pairs`.
 
-        Also read, if it has them: `cell`, `images`, `external`.
+        Also read, if it has them: `cell`, `images`, `external` and the low parts.
         """
-        optional = {k: getattr(packing, k, None) for k in ("cell", "images", "external")}
+        names = ("cell", "images", "external", "positions_low", "radii_low", "cell_low")
+        optional = {k: getattr(packing, k, None) for k in names}
         return cls(packing.positions, packing.radii, packing.pairs, **optional)
 
     def __repr__(self) -> str:
@@ -196,9 +206,12 @@ class ContactNetwork:
 
     @property
     def overlaps(self) -> Floats:
-        """(c,) δ = σ - r. A difference of O(1) numbers: it keeps log10(1/Δ) digits fewer."""
+        """(c,) δ = σ - r. A difference of O(1) numbers: it loses log10(1/Δ) digits, unless
+        low parts hold them."""
         if self.positions is None:
             raise ValueError("overlaps need positions: this network has directions only")
+        if self.extended is not None:
+            return self.extended.overlaps(self.pairs, self.images)
         return self.sigma - self.distances
 
     @property
@@ -230,7 +243,12 @@ class ContactNetwork:
 
     # --- other networks from this one -----------------------------------------------------
 
-    def with_sizes(self, radii: ArrayLike, external: ArrayLike | None = None) -> ContactNetwork:
+    def with_sizes(
+        self,
+        radii: ArrayLike,
+        external: ArrayLike | None = None,
+        radii_low: ArrayLike | None = None,
+    ) -> ContactNetwork:
         """The same contacts and directions with other radii (and loads); shares what it can."""
         R = checks.radii_of_grains(radii)
         if R.shape != self.radii.shape:
@@ -241,7 +259,12 @@ class ContactNetwork:
         new = object.__new__(ContactNetwork)
         new.__dict__.update(self.__dict__)
         new.__dict__.pop("sigma", None)
-        new._set(radii=frozen(R), external=frozen(F))
+        extended = self.extended
+        if extended is not None:
+            extended = extended.with_radii(R, radii_low)
+        elif radii_low is not None:
+            extended = with_low_parts(self.positions, R, self.cell, None, radii_low, None)
+        new._set(radii=frozen(R), external=frozen(F), extended=extended)
         return new
 
     def without_rattlers(self, frictional: bool = True) -> ContactNetwork:

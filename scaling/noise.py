@@ -11,12 +11,14 @@ Size noise leaves G alone. Torques are data in the form T/R_i, so T_i is scaled 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
+from doubledouble import two_sum
 from scaling.checks import Floats
+from scaling.extended import low_parts
 
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork
@@ -43,7 +45,7 @@ def perturb(
     if noise == "position":
         return _moved(network, xi, rng)
     eta = rng.standard_normal(network.grains)
-    radii = network.radii + xi * radius_scale(network, noise) * eta
+    radii, lost = two_sum(network.radii, xi * radius_scale(network, noise) * eta)
     if (radii <= 0).any():
         i = int(np.argmax(radii <= 0))
         raise NonPositiveRadius(
@@ -52,7 +54,9 @@ def perturb(
         )
     external = network.external.copy()
     external[:, 2] *= radii / network.radii
-    return network.with_sizes(radii, external)
+    if network.extended is None:
+        return network.with_sizes(radii, external)
+    return network.with_sizes(radii, external, lost + network.extended.radii.low)
 
 
 def check_noise(noise: str) -> None:
@@ -108,9 +112,9 @@ def _moved(network: ContactNetwork, xi: float, rng: np.random.Generator) -> Cont
         raise ValueError("position noise would not reach directions that were measured themselves")
     displacement = xi * network.mean_diameter * rng.standard_normal(network.positions.shape)
     moved = type(network)(
-        network.positions + displacement,
-        network.radii,
-        network.pairs,
+        **_displaced(network, displacement),
+        radii=network.radii,
+        pairs=network.pairs,
         cell=network.cell,
         images=network.images,
         external=network.external,
@@ -118,6 +122,16 @@ def _moved(network: ContactNetwork, xi: float, rng: np.random.Generator) -> Cont
     moved._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
     moved._set(contact_index=network.contact_index)
     return moved
+
+
+def _displaced(network: ContactNetwork, displacement: Floats) -> dict[str, Any]:
+    """The moved positions, with low parts if the network has them."""
+    assert network.positions is not None
+    positions, lost = two_sum(network.positions, displacement)
+    if network.extended is None:
+        return {"positions": positions}
+    low = low_parts(network.extended)
+    return low | {"positions": positions, "positions_low": lost + low["positions_low"]}
 
 
 def _incidence(network: ContactNetwork, sign: float) -> csr_array:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from scaling import checks
 from scaling.checks import Floats, frozen
+from scaling.extended import low_parts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -120,6 +121,7 @@ def _select(network: ContactNetwork, keep: NDArray[np.bool_], external: Floats) 
         images=network.images[keep],
         external=external,
         normals=network.normals[keep] if network._directions_measured else None,
+        **low_parts(network.extended),
     )
     new._set(contact_index=frozen(np.flatnonzero(keep)))
     return new
@@ -129,6 +131,14 @@ def _unwrapped(network: ContactNetwork) -> ContactNetwork:
     if network.cell is None or network.forest.winding.any():
         return network
     x = network.positions
+    if network.extended is not None and not network._directions_measured:
+        extended = network.extended.unwrapped(network.forest.shift)
+        new = type(network)(
+            extended.x.high, network.radii, network.pairs, external=network.external,
+            positions_low=extended.x.low, radii_low=extended.radii.low,
+        )  # fmt: skip
+        new._set(contact_index=network.contact_index)
+        return new
     new = type(network)(
         None if x is None else x + network.forest.shift @ network.cell,
         network.radii,

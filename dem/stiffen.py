@@ -1,0 +1,176 @@
+"""Stiffer and stiffer grains: a packing at Δ continued to Δ' < Δ by Newton's method alone.
+
+Time integration takes Δ^(-1/2) steps and, below Δ ~ 1e-9, stalls: a displacement of a step falls
+below one ulp of a position.  Here pressure falls in stages p -> q = p/factor, κ staying 1:
+
+    predict   overlaps and tangential elongations shrink by q/p: the force network f/p is kept.
+              The moves of least norm that do so, J y = -(1 - q/p) δ, by Gauss and Newton
+              (Z < 4: there are fewer contacts than coordinates).
+    evict     rattlers are pushed off what the stage moved towards them.
+    correct   Newton's method on the full balance at q, contacts opening, closing, sliding.
+
+A stage that fails is cut, the factor to its root.  This is no unloading (that would leave
+self-stress of the old pressure behind and open contacts): each stage is the packing
+that nearly the same forces make of stiffer grains.  Positions in 32 digits (``dem.precise``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import sqrt
+
+import numpy as np
+from scipy.sparse import csc_array, eye_array
+from scipy.sparse.linalg import splu
+
+from dem.law import ContactLaw
+from dem.neighbours import Neighbours, find_neighbours
+from dem.packing import Packing
+from dem.polish import PolishFailed, newton
+from dem.precise import Place, PreciseEquilibrium
+from dem.rest import backbone, fewest_contacts
+from dem.state import Floats, History
+from dem.tangent import Trial
+
+#: Largest and smallest ratio of pressures of one stage.
+LONGEST_STAGE, SHORTEST_STAGE = 10.0, 1.02
+#: Residuals, in p: where Newton may stop, and what a packing needs.
+FLOOR, GOOD = 1e-15, 1e-11
+#: Shift of the predictor's least squares, in κ: damps moves that no overlap determines.
+TIKHONOV = 1e-7
+PREDICTIONS, SWEEPS = 8, 300
+
+
+def refine(packing: Packing) -> Packing:
+    """The same packing with low parts: positions that hold f_n = κ overlap to the last digit.
+
+    Raises PolishFailed when Newton finds no balance near it.
+    """
+    return _continued(packing, packing.delta)
+
+
+def stiffen(packing: Packing, delta: float) -> Packing:
+    """``packing`` continued to ``delta`` <= its own Δ, with low parts; κ, μ and grains stay.
+
+    Raises
+    ------
+    ValueError : an open packing, a larger delta, or one that is not positive.
+    PolishFailed : no stage succeeds any more; says at which Δ.
+    """
+    if not 0 < delta <= packing.delta:
+        raise ValueError(f"delta = {delta}: continuation goes down, from {packing.delta:.3g}")
+    return _continued(packing, delta)
+
+
+def _continued(packing: Packing, delta: float) -> Packing:
+    if packing.cell is None:
+        raise ValueError("continuation is for periodic packings; this one has no cell")
+    ratio = packing.info.get("scene", {}).get("stiffness_ratio", 0.5)
+    law = ContactLaw(packing.stiffness, ratio, packing.friction)
+    place, near = _start(packing, law)
+    p, target, factor = packing.pressure, delta * packing.stiffness, LONGEST_STAGE
+    stages = iterations = 0
+    place, trial, spent = _correct(place, near, law, p)
+    while p > target:
+        q = max(target, p / factor)
+        try:
+            ahead = _predict(place, near, law, trial, p, q)
+            near.elongation[:] = trial.tangential * (q / p) / law.tangential
+            place, trial, spent = _correct(ahead, near, law, q)
+        except PolishFailed as failure:
+            factor = sqrt(factor)
+            if factor < SHORTEST_STAGE:
+                raise PolishFailed(
+                    f"continuation to Δ = {delta:g} ends at {p / packing.stiffness:.3g}: {failure}"
+                ) from failure
+            continue
+        p, factor = q, min(factor**2, LONGEST_STAGE)
+        stages, iterations = stages + 1, iterations + spent
+    return _packing(packing, place, near, trial, p, {"stages": stages, "newton": iterations})
+
+
+def _start(packing: Packing, law: ContactLaw) -> tuple[Place, Neighbours]:
+    place = Place.of(packing)
+    state = place.state()
+    state.history = History(
+        packing.pairs, packing.images, packing.tangential_forces / law.tangential
+    )
+    near = find_neighbours(state, 0.1)
+    listed = {(*p, *m) for p, m in zip(near.pairs.tolist(), near.images.tolist(), strict=True)}
+    for e, (p, m) in enumerate(zip(packing.pairs.tolist(), packing.images.tolist(), strict=True)):
+        if (*p, *m) not in listed:
+            raise ValueError(f"contact {e} {tuple(p)} with image {tuple(m)} is no nearest image")
+    return place, near
+
+
+def _correct(
+    place: Place, near: Neighbours, law: ContactLaw, pressure: float
+) -> tuple[Place, Trial, int]:
+    balance = PreciseEquilibrium(place, near, law, pressure)
+    trial, spent = newton(balance, FLOOR * pressure, GOOD * pressure)
+    return balance.after(trial.y), trial, spent
+
+
+def _predict(
+    place: Place, near: Neighbours, law: ContactLaw, trial: Trial, p: float, q: float
+) -> Place:
+    """Overlaps of the force-bearing contacts shrunk by q/p; rattlers out of the way."""
+    balance = PreciseEquilibrium(place, near, law, q)
+    wanted = trial.normal[trial.bearing] / law.stiffness * (q / p)
+    count = balance.count
+    grains = np.zeros(count, bool)
+    grains[near.pairs[trial.bearing]] = True
+    active = np.flatnonzero(np.r_[grains, grains, np.zeros(count, bool), True])
+    jacobian = csc_array(trial.m_n)[active][:, np.flatnonzero(trial.bearing)]
+    solve = splu(csc_array(jacobian @ jacobian.T + TIKHONOV * eye_array(len(active)))).solve
+    y, worst = np.zeros(3 * count + 1), np.inf
+    for _ in range(PREDICTIONS):
+        excess = balance.branches(y)[1][trial.bearing] - wanted
+        if np.abs(excess).max() > 0.5 * worst or worst < 1e-6 * q:
+            break
+        worst = np.abs(excess).max()
+        y[active] += solve(jacobian @ excess)
+    ahead = balance.after(y)
+    return _evict(ahead, near, law, trial.bearing, ~grains, 3 * p / law.stiffness)
+
+
+def _evict(
+    place: Place, near: Neighbours, law: ContactLaw, bearing: Floats, rattles: Floats, gap: float
+) -> Place:
+    """Push rattlers off their neighbours by ``gap``, as far as their cages let them."""
+    i, j = near.columns
+    push_i, push_j = rattles[i] * 1.0, rattles[j] * 1.0
+    touches = rattles[i] | rattles[j]
+    share = 0.5 * (1 + (rattles[i] ^ rattles[j]))
+    for _ in range(SWEEPS):
+        d, overlap = place.branches(near)
+        depth = np.where(touches, np.maximum(overlap + gap, 0.0), 0.0)
+        if not depth.any():
+            break
+        move = share * depth * d / np.abs(d)
+        u = np.zeros(len(rattles), complex)
+        np.add.at(u, i, -push_i * move)
+        np.add.at(u, j, push_j * move)
+        place = place.moved(u, 0.0)
+    return place
+
+
+def _packing(
+    packing: Packing, place: Place, near: Neighbours, trial: Trial, p: float, facts: dict
+) -> Packing:
+    bearing = backbone(
+        near.pairs, trial.bearing, len(packing.radii),
+        fewest_contacts(ContactLaw(friction=packing.friction)),
+    )  # fmt: skip
+    new = replace(
+        packing,
+        **place.record(),
+        pairs=near.pairs[bearing],
+        images=near.images[bearing],
+        normal_forces=trial.normal[bearing],
+        tangential_forces=trial.tangential[bearing],
+        pressure=p,
+        info=packing.info | {"continued": facts | {"from": packing.delta}},
+    )
+    new.info["residual"] = float(new.residuals().max())
+    return new

@@ -1,0 +1,120 @@
+"""Lengths in 32 digits: overlaps and loop sums that lose none to cancellation.
+
+    δ_e = R_i + R_j - |x_j - x_i + image shift| ,       Q|σ⟩ - Λ ,   Q made of n_e = d_e/|d_e|
+
+Both are O(Δ) differences of O(1) numbers.  In plain doubles their relative error is ε L/Δ; here
+every length is high + low (`doubledouble`), directions included, because Q|σ⟩ needs them to the
+precision that it needs sizes to.  No distance enters Q|σ⟩: it stays GPPSZ's equation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from doubledouble import DoubleDouble, hypot, segment_sums
+from scaling import checks
+from scaling.checks import Floats, Integers
+
+if TYPE_CHECKING:
+    from scaling.loops import Loops
+    from scaling.network import ContactNetwork
+
+
+@dataclass(frozen=True, eq=False)
+class Extended:
+    """Positions ``x (N, 2)``, ``radii (N,)`` and ``cell (2, 2)`` (None if open) in 32 digits."""
+
+    x: DoubleDouble
+    radii: DoubleDouble
+    cell: DoubleDouble | None
+
+    def with_radii(self, radii: Floats, low: ArrayLike | None) -> Extended:
+        """The same places with other radii."""
+        return replace(self, radii=_joined("radii_low", radii, low))
+
+    def unwrapped(self, shift: Integers) -> Extended:
+        """Each grain moved by its ``shift (N, 2)`` of lattice vectors, without the cell."""
+        return replace(self, x=self.x + self._lattice(shift), cell=None)
+
+    def overlaps(self, pairs: Integers, images: Integers) -> Floats:
+        """(c,) δ, to 16 digits of itself."""
+        _, r = self._branches(pairs, images)
+        i, j = pairs.T
+        return (self.radii[i] + self.radii[j] - r).high
+
+    def loop_sums(self, network: ContactNetwork, loops: Loops) -> Floats:
+        """(2 l,) Q|σ⟩ - Λ, x rows before y rows, to 16 digits of itself."""
+        d, r = self._branches(network.pairs, network.images)
+        i, j = network.pairs.T
+        σ = self.radii[i] + self.radii[j]
+        incidence, signs = loops.incidence, loops.incidence.data.astype(float)
+        sums = []
+        for k in (0, 1):
+            walked = (d[:, k] / r * σ)[incidence.indices] * signs
+            total = segment_sums(walked, incidence.indptr.astype(np.int64))
+            if self.cell is not None:
+                total = total - self._lattice(loops.images)[:, k]
+            sums.append(total.high)
+        return np.concatenate(sums)
+
+    def _branches(self, pairs: Integers, images: Integers) -> tuple[DoubleDouble, DoubleDouble]:
+        i, j = pairs.T
+        d = self.x[j] - self.x[i]
+        if self.cell is not None:
+            d = d + self._lattice(images)
+        return d, hypot(d[:, 0], d[:, 1])
+
+    def _lattice(self, images: Integers) -> DoubleDouble:
+        assert self.cell is not None
+        a, b = (np.repeat(images[:, k, None].astype(float), 2, axis=1) for k in (0, 1))
+        return self.cell[0] * a + self.cell[1] * b
+
+
+def with_low_parts(
+    positions: Floats | None,
+    radii: Floats,
+    cell: Floats | None,
+    positions_low: ArrayLike | None,
+    radii_low: ArrayLike | None,
+    cell_low: ArrayLike | None,
+) -> Extended | None:
+    """None without low parts.  ValueError: a low part without its high, or not small beside it."""
+    if positions_low is None and radii_low is None and cell_low is None:
+        return None
+    if positions is None:
+        raise ValueError("low parts are given, but no positions: overlaps would not have them")
+    if cell is None and cell_low is not None:
+        raise ValueError("cell_low is given, but there is no cell")
+    return Extended(
+        _joined("positions_low", positions, positions_low),
+        _joined("radii_low", radii, radii_low),
+        None if cell is None else _joined("cell_low", cell, cell_low),
+    )
+
+
+def low_parts(extended: Extended | None) -> dict[str, Any]:
+    """The low parts as arguments of ContactNetwork; none for None."""
+    if extended is None:
+        return {}
+    return {
+        "positions_low": extended.x.low,
+        "radii_low": extended.radii.low,
+        "cell_low": None if extended.cell is None else extended.cell.low,
+    }
+
+
+def _joined(name: str, high: Floats, low: ArrayLike | None) -> DoubleDouble:
+    if low is None:
+        return DoubleDouble.of(high)
+    part = checks.finite(name, "entry", low, np.shape(high))
+    # A rounded coordinate leaves half an ulp of the largest out; anything else is a mix-up.
+    allowed = 4 * np.finfo(float).eps * max(1.0, float(np.abs(high).max()))
+    if np.abs(part).max(initial=0.0) > allowed:
+        raise ValueError(
+            f"{name} reaches {np.abs(part).max():.3g}: a low part is below one ulp, {allowed:.1g}"
+        )
+    return DoubleDouble.of(high, part)

@@ -1,0 +1,151 @@
+"""Networks with low parts: exact arithmetic on a small packing, noise, cuts, refusals."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+
+from dem import refine
+from scaling import (
+    ContactNetwork,
+    amplification_of,
+    collapse,
+    force_equation,
+    perturb,
+    reconstruct,
+    relative_error,
+)
+from tests.conftest import packing
+from tests.scaling.networks import triangle
+
+EPS = np.finfo(float).eps
+
+
+def naive(p) -> ContactNetwork:
+    return ContactNetwork(p.positions, p.radii, p.pairs, cell=p.cell, images=p.images)
+
+
+def exact_sums(p, network: ContactNetwork) -> list[mpmath.mpf]:
+    """Q|σ⟩ of every face at 60 digits, x then y, from the saved high and low parts."""
+    mp, loops = mpmath.mpf, network.loops.incidence.tocsr()
+    with mpmath.workdps(60):
+        x = [
+            [mp(h) + mp(t) for h, t in zip(high, low, strict=True)]
+            for high, low in zip(p.positions.tolist(), p.positions_low.tolist(), strict=True)
+        ]
+        side = [mp(p.cell[k, k]) + mp(p.cell_low[k, k]) for k in (0, 1)]
+        n = []
+        for (i, j), m in zip(p.pairs.tolist(), p.images.tolist(), strict=True):
+            d = [x[j][k] - x[i][k] + m[k] * side[k] for k in (0, 1)]
+            r = mpmath.sqrt(d[0] ** 2 + d[1] ** 2)
+            σ = mp(p.radii[i]) + mp(p.radii[j])
+            n.append([d[0] / r, d[1] / r, σ])
+        return [
+            sum(int(loops.data[q]) * n[loops.indices[q]][k] * n[loops.indices[q]][2]
+                for q in range(loops.indptr[a], loops.indptr[a + 1]))
+            for k in (0, 1) for a in range(len(network.loops))
+        ]  # fmt: skip
+
+
+@pytest.mark.parametrize("delta", [1e-8, 1e-12])
+def test_loop_sums_against_exact_arithmetic(delta):
+    """κ Q|σ⟩ to 1e-14 of its size with low parts; without them off by ~ ε L/Δ."""
+    p = packing(grains=20, delta=delta)
+    network = ContactNetwork.from_packing(p)
+    true = np.array([float(s) for s in exact_sums(p, network)])
+    scale = np.abs(true).max()
+    assert scale < 20 * delta
+    lines = len(true)
+    found = force_equation(network).rhs(1.0)[-lines:]
+    assert np.abs(found - true).max() <= 1e-14 * scale
+    plain = force_equation(naive(p)).rhs(1.0)[-lines:]
+    assert 0.01 * EPS < np.abs(plain - true).max() < 1e3 * EPS
+
+
+def test_windings_close_in_extended_precision():
+    p = packing(grains=20, delta=1e-10)
+    equation = force_equation(ContactNetwork.from_packing(p), winding=True)
+    sums = equation.rhs(1.0)[-4:] if len(equation.network.windings) else []
+    loops = equation.matrices.loops
+    expected = equation.Q @ p.normal_forces
+    assert len(sums) == 4
+    assert equation.rhs(1.0)[-2 * len(loops) :] == pytest.approx(expected, abs=1e-12 * p.delta)
+
+
+@pytest.mark.parametrize("delta", [1e-6, 1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize("friction", [0.3, 0.0])
+def test_noise_free_error_does_not_know_the_deformation(delta, friction):
+    """E <= 10 (residual/p + ε)/σ_min whatever Δ; naive arithmetic loses ε L/Δ (the control)."""
+    p = packing(delta=delta, friction=friction)
+    if p.positions_low is None:
+        p = refine(p)
+    network, frictional = ContactNetwork.from_packing(p), friction > 0
+    smallest = force_equation(network, frictional).conditioning.smallest
+
+    def error(n: ContactNetwork, method: str) -> float:
+        f = reconstruct(n, p.stiffness, method, frictional=frictional).forces
+        return relative_error(f, p.forces, frictional=frictional)
+
+    for method in ("gppsz", "direct"):
+        assert error(network, method) <= 10 * (p.residuals().max() + EPS) / smallest <= 1e-8
+        assert error(naive(p), method) > 0.1 * EPS / delta
+
+
+def test_noise_far_below_one_ulp_collapses_too():
+    """ξ = 1e-3 Δ ... Δ at Δ = 1e-12 (1e-15 is 5 ulp of a radius): E = C ξ/Δ within the spread
+    of 40 draws, for sizes and for positions."""
+    p = packing(delta=1e-12)
+    for noise in ("diameter", "position"):
+        table = collapse([p], [1e-3, 1.0], np.random.default_rng(1), draws=40, noise=noise)
+        C = amplification_of(p, noise=noise)
+        for ratio in (1e-3, 1.0):
+            squares = (table["error"][table["ratio"] == ratio] / ratio) ** 2
+            standard = squares.std() / np.sqrt(len(squares))
+            assert abs(squares.mean() - C**2) < 4 * standard
+
+
+def test_a_cut_region_keeps_its_digits():
+    """inside() at Δ = 1e-10: the open patch gives the forces of the whole."""
+    p = packing(grains=48, delta=1e-10)
+    whole = ContactNetwork.from_packing(p)
+    centre = p.positions - p.positions.mean(axis=0)
+    patch = np.hypot(*centre.T) < 0.35 * p.cell.max()
+    part = whole.inside(patch, p.normal_forces, p.tangential_forces)
+    assert part.extended is not None
+    assert part.cell is None
+    kept = part.contact_index
+    assert len(kept) > 10
+    assert part.overlaps == pytest.approx(p.overlaps[kept], rel=1e-12)
+    sums = force_equation(part).rhs(1.0)[-2 * len(part.loops) :]
+    forces = force_equation(part).Q @ p.normal_forces[kept]
+    assert sums == pytest.approx(forces, abs=1e-12 * p.pressure)
+
+
+def test_sizes_with_low_parts_replace_those_without():
+    n = triangle()
+    fine = n.with_sizes(n.radii, radii_low=np.full(3, 1e-20))
+    assert fine.overlaps - n.overlaps == pytest.approx(np.full(3, 2e-20), rel=1e-6, abs=1e-16)
+    noisy = perturb(packing_network(), 1e-14, np.random.default_rng(0))
+    assert noisy.extended.radii.low.any()
+
+
+def packing_network() -> ContactNetwork:
+    return ContactNetwork.from_packing(packing(grains=20, delta=1e-12))
+
+
+@pytest.mark.parametrize(
+    ("low", "message"),
+    [
+        ({"positions_low": np.full((3, 2), 1e-3)}, r"positions_low reaches 0\.001"),
+        ({"radii_low": np.zeros(2)}, r"radii_low has shape \(2,\), expected \(3,\)"),
+        ({"cell_low": np.zeros((2, 2))}, "there is no cell"),
+        ({"radii_low": np.array([0, np.nan, 0])}, "radii_low of entry 1 is nan"),
+    ],
+)
+def test_wrong_low_parts(low, message):
+    t = triangle()
+    with pytest.raises(ValueError, match=message):
+        ContactNetwork(t.positions, t.radii, t.pairs, **low)
+    with pytest.raises(ValueError, match="no positions"):
+        ContactNetwork(None, t.radii, t.pairs, normals=t.normals, radii_low=np.zeros(3))
