@@ -15,9 +15,11 @@ from scaling.network import ContactNetwork
 from scaling.noise import perturb
 from scaling.propagation import amplification, amplification_of, gain
 from scaling.reconstruction import Reconstruction, reconstruct
+from scaling.resolution import CoarseCoordinatesWarning
 from scaling.virial import stress
 
 __all__ = [
+    "CoarseCoordinatesWarning",
     "Conditioning",
     "ContactNetwork",
     "ForceEquation",

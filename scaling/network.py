@@ -28,6 +28,7 @@ from scaling import checks, subnetwork
 from scaling.checks import Floats, Integers, frozen
 from scaling.extended import Extended, with_low_parts
 from scaling.loops import Loops, faces
+from scaling.resolution import warn_if_coarse
 from scaling.windings import Forest, spanning_forest, winding_loops
 
 
@@ -133,10 +134,13 @@ class ContactNetwork:
         """The network of anything with `positions`, `radii` and `pairs`.
 
         Also read, if it has them: `cell`, `images`, `external` and the low parts.
+        CoarseCoordinatesWarning: the coordinates are rounded too coarsely for the overlaps.
         """
         names = ("cell", "images", "external", "positions_low", "radii_low", "cell_low")
         optional = {k: getattr(packing, k, None) for k in names}
-        return cls(packing.positions, packing.radii, packing.pairs, **optional)
+        network = cls(packing.positions, packing.radii, packing.pairs, **optional)
+        warn_if_coarse(network)
+        return network
 
     def __repr__(self) -> str:
         kind = "open" if self.cell is None else "periodic"
