@@ -9,9 +9,10 @@ from __future__ import annotations
 import hashlib
 import json
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, as_completed
 from dataclasses import asdict
+from functools import partial
 from os import PathLike
 from pathlib import Path
 
@@ -21,17 +22,18 @@ from dem.integrator import resolve_backend
 from dem.packing import Packing
 from dem.packing_file import FORMAT
 from dem.relax import CONTINUED_BELOW, relax
-from dem.scene import Scene
+from dem.scene import Scene, seed_number
 from dem.settings import Settings
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
-ALGORITHM = 2
+ALGORITHM = 3
 #: The same for packings with Δ < 1e-6, which are continued from 1e-6.
 CONTINUATION = 1
 
 
 def packing_key(scene: Scene, seed: int, settings: Settings) -> str:
     """Hash of all that decides a packing: the name of its file in a store."""
+    seed = seed_number(seed)
     facts = {
         "scene": asdict(scene),
         "seed": seed,
@@ -61,14 +63,15 @@ def relax_ensemble(
     an interrupted run loses only what was in flight.  A stored file that is cut off is named in
     a warning and computed again.
 
-    Raises ValueError when scenes and seeds differ in number, and what ``relax`` raises, after
-    the packings in flight are stored.
+    Raises ValueError when scenes and seeds differ in number or the store is a file, and the first
+    error of ``relax``, with scene and seed noted on it, after all others are stored.
     """
-    tasks = [(s, int(n)) for s, n in zip(scenes, seeds, strict=True)]
-    folder = None if store is None else Path(store)
+    tasks = [(s, seed_number(n)) for s, n in zip(scenes, seeds, strict=True)]
+    folder = None if store is None else _folder(store)
     files = [folder and folder / f"{packing_key(s, n, settings)}.npz" for s, n in tasks]
-    done = {k: p for k, f in enumerate(files) if (p := _stored(f)) is not None}
+    done = {k: p for k, f in enumerate(files) if (p := _stored(f, *tasks[k])) is not None}
     missing = [k for k in range(len(tasks)) if k not in done]
+    failures: list[Exception] = []
     bar = tqdm(
         total=len(tasks),
         initial=len(done),
@@ -76,18 +79,23 @@ def relax_ensemble(
         disable=None if progress is None else not progress,
     )
 
-    def finish(k: int, packing: Packing) -> None:
-        done[k] = packing
+    def finish(k: int, result: Callable[[], Packing]) -> None:
+        scene, seed = tasks[k]
+        try:
+            done[k] = result()
+        except Exception as error:
+            error.add_note(f"while relaxing {scene}, seed {seed}")
+            failures.append(error)
+            return
         if file := files[k]:
-            packing.save(file)
-        bar.set_postfix_str(f"Δ={tasks[k][0].delta:.0e}, {packing.info['steps']} steps")
+            done[k].save(file)
+        bar.set_postfix_str(f"Δ={scene.delta:.0e}, {done[k].info['steps']} steps")
         bar.update()
 
-    failures = []
     with bar:
         if executor is None:
             for k in missing:
-                finish(k, relax(*tasks[k], settings=settings, progress=progress))
+                finish(k, partial(relax, *tasks[k], settings=settings, progress=progress))
         else:
             # Longest first: steps grow as Δ^(-1/2), and a straggler costs the most at the end.
             missing.sort(key=lambda k: tasks[k][0].delta / tasks[k][0].grains ** 2)
@@ -97,24 +105,37 @@ def relax_ensemble(
             }
             try:
                 for future in as_completed(futures):
-                    if error := future.exception():
-                        failures.append(error)
-                    else:
-                        finish(futures[future], future.result())
+                    finish(futures[future], future.result)
             except BaseException:
-                for future in futures:
-                    future.cancel()
+                # Interrupted: what is ready is kept, what is in flight is lost.
+                for future, k in futures.items():
+                    ready = not future.cancel() and future.done() and k not in done
+                    if ready and future.exception() is None:
+                        finish(k, future.result)
                 raise
     if failures:
+        if len(failures) > 1:
+            failures[0].add_note(f"and {len(failures) - 1} more packings failed")
         raise failures[0]
     return [done[k] for k in range(len(tasks))]
 
 
-def _stored(file: Path | None) -> Packing | None:
+def _folder(store: str | PathLike[str]) -> Path:
+    folder = Path(store)
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"store = {str(store)!r} is a file, not a folder")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _stored(file: Path | None, scene: Scene, seed: int) -> Packing | None:
     if file is None or not file.exists():
         return None
     try:
-        return Packing.load(file)
+        packing = Packing.load(file)
+        if (packing.info.get("scene"), packing.info.get("seed")) != (asdict(scene), seed):
+            raise ValueError(f"{file} holds another scene or seed than its name says")
+        return packing
     except ValueError as damage:
         warnings.warn(f"computing a stored packing again: {damage}", stacklevel=3)
         return None

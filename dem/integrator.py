@@ -48,22 +48,28 @@ def step(
 
     Raises
     ------
-    ValueError : dt not positive, pressure control without a cell, a cell too narrow for its
-        grains, an unknown backend.
-    FloatingPointError : a position is no longer finite: the time step was too long.
+    ValueError : dt or skin not positive, steps < 1, pressure control without a cell, a cell too
+        narrow for its grains, two grains at one place, an unknown backend.
+    FloatingPointError : positions or cell are no longer finite: the time step was too long.
     """
     if not (isfinite(dt) and dt > 0):
         raise ValueError(f"dt = {dt} is not a finite number > 0")
+    if steps < 1:
+        raise ValueError(f"steps = {steps}: at least one")
     if drive.pressure is not None and state.cell is None:
         raise ValueError(f"pressure = {drive.pressure} asks for a cell, and the state has none")
     kernel = _kernel(resolve_backend(backend))
     width = 0.3 * 2 * float(state.radii.mean()) if skin is None else skin
+    if not (isfinite(width) and width > 0):
+        raise ValueError(f"skin = {width} is not a finite number > 0")
     near = state._near
     if not isinstance(near, Neighbours) or near.skin != width:
         near = find_neighbours(state, width)
     motion = _motion(state, near)
     rotates = law.friction > 0
-    forces = state._forces or kernel.contact_forces(motion, near, law, 0.0)
+    forces = state._forces
+    if forces is None or state._law != law:
+        forces = kernel.contact_forces(motion, near, law, 0.0)
     kick(motion, forces, drive, 0.5 * dt, 0.0, rotates)
     drifted = False
     while steps > 0:
@@ -76,7 +82,7 @@ def step(
             near = find_neighbours(state, width)
             motion = _motion(state, near)
     _write_back(state, motion, near)
-    state._near, state._forces = near, forces
+    state._near, state._forces, state._law = near, forces, law
     return state
 
 
@@ -100,6 +106,10 @@ def _motion(state: State, near: Neighbours) -> Motion:
 
 
 def _write_back(state: State, motion: Motion, near: Neighbours) -> None:
+    if not (np.isfinite(motion.scale) and motion.scale > 0):
+        raise FloatingPointError(
+            f"the cell scaled by {motion.scale:.3g}: the time step is too long"
+        )
     if not np.all(np.isfinite(motion.z)):
         grain = int(np.flatnonzero(~np.isfinite(motion.z))[0])
         raise FloatingPointError(f"grain {grain} left the plane: the time step is too long")

@@ -60,5 +60,6 @@ class Drive:
 
 
 def stable_time_step(law: ContactLaw, smallest_mass: float, fraction: float) -> float:
-    """``fraction`` of √(m_eff/κ), m_eff = m/2 of two of the lightest grains in contact."""
-    return fraction * sqrt(0.5 * smallest_mass / law.stiffness)
+    """``fraction`` of √(m_eff/k), m_eff = m/2 of two of the lightest grains in contact, k the
+    larger of κ and k_t."""
+    return fraction * sqrt(0.5 * smallest_mass / max(law.stiffness, law.tangential))

@@ -73,7 +73,11 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
         shift = _as_complex(images @ state.cell)
     position = _as_complex(state.positions)
     sigma = state.radii[i] + state.radii[j]
-    near = np.abs(position[j] - position[i] + shift) < sigma + skin
+    distance = np.abs(position[j] - position[i] + shift)
+    if not distance.all():
+        e = int(np.argmin(distance))
+        raise ValueError(f"grains {pairs[e, 0]} and {pairs[e, 1]} are at one place")
+    near = distance < sigma + skin
     pairs, images, sigma, shift = pairs[near], images[near], sigma[near], shift[near]
     i, j = pairs.T
     count, edges = len(state.radii), np.arange(len(pairs))

@@ -16,14 +16,9 @@ from typing import Any
 import numpy as np
 
 from dem.packing_file import read_record, write_record
+from dem.soundness import check_contacts, check_forces
 from dem.state import Floats, Ints
-from doubledouble import EPS, DoubleDouble, hypot
-
-#: Largest force or torque residual, in p⟨σ⟩, that still counts as balanced.  Integration to
-#: ⟨v⟩ < 1e-8 leaves ~ 1e-8 Δ^(-1/2); a packing in motion has residuals of order 1.
-BALANCED = 1e-2
-#: A force-bearing contact is no wider open than this many round-off units ε L.
-TOUCHING = 1000
+from doubledouble import DoubleDouble, hypot
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,12 +75,17 @@ class Packing:
             if getattr(self, f"{name}_low") is not None:
                 shapes[f"{name}_low"] = shapes[name]
         for name, shape in shapes.items():
-            kind = np.int64 if name in ("pairs", "images") else np.float64
-            array = np.array(getattr(self, name), dtype=kind)
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if name in ("pairs", "images"):
+                array = array.reshape(-1, 2) if array.size == 0 else array
             if array.shape != shape:
                 raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
             if nan := np.argwhere(~np.isfinite(array)).tolist():
                 raise ValueError(f"{name}{nan[0]} is {array[tuple(nan[0])]}")
+            if name in ("pairs", "images"):
+                if odd := np.argwhere(array != np.rint(array)).tolist():
+                    raise ValueError(f"{name}{odd[0]} is {array[tuple(odd[0])]}, no whole number")
+                array = array.astype(np.int64)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
         if bad := np.flatnonzero(self.radii <= 0).tolist():
@@ -97,30 +97,8 @@ class Packing:
                 raise ValueError(f"{name} = {getattr(self, name)} is not a finite number > 0")
         if not (np.isfinite(self.friction) and self.friction >= 0):
             raise ValueError(f"friction = {self.friction} is not a finite number >= 0")
-        self._check_contacts()
-
-    def _check_contacts(self) -> None:
-        outside = (self.pairs < 0) | (self.pairs >= len(self.radii))
-        if bad := np.flatnonzero(outside.any(axis=1)).tolist():
-            raise ValueError(
-                f"contact {bad[0]} names grain {self.pairs[bad[0]].max()}, "
-                f"but there are {len(self.radii)}"
-            )
-        span = float(np.ptp(self.positions, axis=0).max()) if self.cell is None else self.width
-        gap = -self.overlaps
-        ulp = np.finfo(float).eps if self.positions_low is None else EPS
-        allowed = TOUCHING * ulp * (span + 1)
-        if len(gap) and gap.max() > allowed:
-            e = int(gap.argmax())
-            i, j = self.pairs[e]
-            raise ValueError(f"contact {e} ({i}, {j}) does not touch: it is open by {gap[e]:.3g}")
-        residual = self.residuals()
-        if residual.max(initial=0.0) > BALANCED:
-            grain = int(residual.argmax())
-            raise ValueError(
-                f"the forces on grain {grain} do not balance: "
-                f"residual {residual[grain]:.3g} p⟨σ⟩, allowed {BALANCED}"
-            )
+        check_contacts(self)
+        check_forces(self)
 
     @property
     def width(self) -> float:
@@ -204,9 +182,8 @@ class Packing:
     def load(cls, path: str | os.PathLike[str]) -> Packing:
         """Read what ``save`` wrote; ValueError for a cut-off, foreign or newer file."""
         record, info = read_record(Path(path))
-        numbers = {n: float(record[n]) for n in ("stiffness", "pressure", "friction")}
-        arrays: dict[str, Any] = {"cell": None} | record | numbers
+        arrays: dict[str, Any] = {"cell": None} | record
         try:
             return cls(**arrays, info=info)
-        except TypeError as error:
-            raise ValueError(f"{path} is not a packing of this format: {error}") from error
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{path} is not a packing: {error}") from error

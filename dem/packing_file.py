@@ -24,10 +24,17 @@ def write_record(target: Path, arrays: dict[str, Any], info: dict[str, Any]) -> 
     """Write ``arrays`` and ``info`` to ``target``; its folder is made if need be."""
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        _write(part, arrays, info)
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _write(part: Path, arrays: dict[str, Any], info: dict[str, Any]) -> None:
     with part.open("wb") as stream:
         number = FORMAT_WITH_LOW if any(k.endswith("_low") for k in arrays) else FORMAT
         np.savez_compressed(stream, format=number, info=json.dumps(info), **arrays)
-    part.replace(target)
 
 
 def read_record(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -37,7 +44,7 @@ def read_record(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     format; FileNotFoundError when there is none.
     """
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             record = {name: stored[name] for name in stored.files}
     except FileNotFoundError:
         raise
@@ -45,10 +52,15 @@ def read_record(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         raise ValueError(f"{path} is cut off, or not a packing: {error}") from error
     if "format" not in record:
         raise ValueError(f"{path} is an npz, but not of a packing: it has no format number")
-    if (number := int(record.pop("format"))) not in (FORMAT, FORMAT_WITH_LOW):
+    if (number := record.pop("format").tolist()) not in (FORMAT, FORMAT_WITH_LOW):
         raise ValueError(
             f"{path} has format {number}; {FORMAT} and {FORMAT_WITH_LOW} are those known here"
         )
     if missing := [name for name in (*_NUMBERS, "info") if name not in record]:
         raise ValueError(f"{path} is not a whole packing: {missing[0]} is missing")
-    return record, json.loads(str(record.pop("info")))
+    try:
+        info = json.loads(str(record.pop("info")))
+        numbers = {name: float(record[name]) for name in _NUMBERS}
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{path} is not a whole packing: {error}") from error
+    return record | numbers, info

@@ -22,8 +22,9 @@ from dem.packing import Packing
 from dem.polish import PolishFailed, polish
 from dem.progress import RestBar
 from dem.rest import Rest, rest_as_is
-from dem.scene import Scene
+from dem.scene import Scene, seed_number
 from dem.settings import Settings
+from dem.soundness import BALANCED
 from dem.start import loose_state
 from dem.state import State
 from dem.stiffen import stiffen
@@ -63,10 +64,12 @@ def relax(
 
     Raises
     ------
-    ValueError : a scene whose cell is too narrow for its grains, or a negative seed.
+    ValueError : a scene whose cell is too narrow for its grains; a seed that is no whole
+        number >= 0.
     NotRelaxed : rest was not reached within ``settings.longest`` inertial times.
     PolishFailed : continuation to Δ < 1e-6 stopped on the way, from each start.
     """
+    seed = seed_number(seed)
     if not settings.polish or scene.delta >= CONTINUED_BELOW:
         return _integrate(scene, seed, settings, progress)
     starts = [d for d in CONTINUED_FROM if d > scene.delta]
@@ -107,21 +110,23 @@ def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | Non
             bar.show(steps, speed)
             if _pressure_error(state, scene) > PRESSURE_TOLERANCE or speed > settings.speed:
                 continue
-            if speed > target and steps < again:
+            if speed > target and steps < again:  # the last polish failed not long ago
                 continue
             try:
                 near, rest = _settle(state, law, scene, settings)
             except PolishFailed as failure:
-                target, why = speed / 10, f"; Newton: {failure}"
+                target, why = speed / 10, f" ({failure})"
                 again = steps + int(RETRY * inertial / dt)
                 continue
             packing = _packing(scene, seed, settings, state, near, rest)
             packing.info.update(steps=steps, speed=speed, inertial_times=steps * dt / inertial)
             return packing
-    residual = _force_residual(state, law, scene)
+    if state._forces is None:  # a polish that was not good enough moved the grains
+        step(state, law, dt, drive=drive, skin=settings.skin, backend=settings.backend)
+    residual = _residual(state) / scene.pressure
     raise NotRelaxed(
         f"Δ = {scene.delta:g}, N = {scene.grains}, seed {seed}: mean speed {speed:.2e} √(p/ρ) "
-        f"after {steps} steps, wanted {settings.speed:.0e}; largest force residual "
+        f"after {steps} steps, wanted {settings.speed:.0e}; largest force or torque residual "
         f"{residual:.2e} p{why}. Allow more time (longest = {settings.longest:g}), a drag nearer "
         f"1 (now {settings.drag:g}), or no dashpot (now {settings.dashpot:g})",
         state,
@@ -141,9 +146,10 @@ def _pressure_error(state: State, scene: Scene) -> float:
     return abs(float(virial) / (2 * float(np.prod(np.diag(state.cell)))) / scene.pressure - 1)
 
 
-def _force_residual(state: State, law: ContactLaw, scene: Scene) -> float:
-    pull = state._forces.pull
-    return float(np.abs(pull).max() / scene.pressure)
+def _residual(state: State) -> float:
+    """Largest force, or torque over R, on a grain."""
+    forces = state._forces
+    return float(max(np.abs(forces.pull).max(), np.abs(forces.twist).max()))
 
 
 def _settle(
@@ -153,6 +159,8 @@ def _settle(
     near = state._near
     assert isinstance(near, Neighbours)
     if not settings.polish:
+        if (residual := _residual(state) / scene.pressure) > BALANCED:
+            raise PolishFailed(f"no polish, and a residual of {residual:.2e} p is no balance")
         return near, rest_as_is(state, near, law)
     rest = polish(state, near, law, scene.pressure)
     if rest.residual > settings.residual_tolerance:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
+from operator import index
+from typing import Any
 
 #: Below three grains there is no loop, hence no force equation.
 FEWEST_GRAINS = 3
@@ -45,8 +47,9 @@ class Scene:
     boundary: str = "periodic"
 
     def __post_init__(self) -> None:
-        if isinstance(self.grains, bool) or self.grains != int(self.grains):
-            raise ValueError(f"grains = {self.grains!r} is not a whole number")
+        object.__setattr__(self, "grains", whole_number("grains", self.grains))
+        for name in ("delta", "friction", "polydispersity", "stiffness_ratio", "aspect"):
+            object.__setattr__(self, name, real_number(name, getattr(self, name)))
         if self.grains < FEWEST_GRAINS:
             raise ValueError(f"grains = {self.grains}: a packing needs at least {FEWEST_GRAINS}")
         if not 0 < self.delta <= LARGEST_DELTA:
@@ -68,3 +71,29 @@ class Scene:
     def pressure(self) -> float:
         """The pressure p = Δ κ, with κ = 1."""
         return self.delta
+
+
+def whole_number(name: str, value: Any) -> int:
+    """``value`` as a Python int; ValueError naming it if it is no whole number."""
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        return index(value)
+    except TypeError:
+        raise ValueError(f"{name} = {value!r} is not a whole number") from None
+
+
+def real_number(name: str, value: Any) -> float:
+    """``value`` as a Python float; ValueError naming it if it is no number."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} = {value!r} is not a number") from None
+
+
+def seed_number(seed: Any) -> int:
+    """``seed`` as a Python int >= 0; a packing without one could not be made again."""
+    number = whole_number("seed", seed)
+    if number < 0:
+        raise ValueError(f"seed = {number} is negative")
+    return number

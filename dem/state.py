@@ -65,6 +65,7 @@ class State:
         # Workspace of `step`: neighbour list and the forces at the present positions.
         self._near: Any = None
         self._forces: Any = None
+        self._law: Any = None
 
     @property
     def masses(self) -> Floats:

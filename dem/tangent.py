@@ -8,7 +8,8 @@ changes by
 
 and the residual R = M f - (0 ; 2 p A/ℓ) by
 
-    dR = M_n (df_n + f_t δτ/r) + M_t df_t - T f_n δτ/r + (0 ; (Σ f_n δr - 4 p A ε)/ℓ),
+    dR = M_n df_n + N f_t δτ/r + M_t df_t - T f_n δτ/r + (0 ; (Σ f_n δr - 4 p A ε)/ℓ),
+    N = M_n without its cell row,
     df_n = -κ δr;   df_t = k_t δq if the contact sticks, ± μ df_n if it slides.
 """
 
@@ -79,7 +80,7 @@ class Equilibrium:
         sprung = law.tangential * (near.elongation + (aside - turn[i] - turn[j]))
         cap = law.friction * normal
         return Trial(
-            y, r, normal, np.clip(sprung, -cap, cap), bearing, np.abs(sprung) >= cap,
+            y, r, normal, np.clip(sprung, -cap, cap), bearing, bearing & (np.abs(sprung) >= cap),
             *self._columns(d / r, r),
             load=2 * self.pressure * self.area * self.stretch(y) ** 2 / self.span,
         )  # fmt: skip
@@ -129,29 +130,34 @@ class Equilibrium:
         slides = law.friction * np.sign(trial.tangential) * np.where(trial.sliding, on_normal, 0.0)
         return on_normal, on_slip, slides
 
+    def tangent(self, trial: Trial) -> csr_array:
+        """dR/dy ``(3N + 1, 3N + 1)``."""
+        on_normal, on_slip, slides = map(diags_array, self.response(trial))
+        m_n, m_t, sideways = trial.m_n, trial.m_t, trial.sideways
+        last = 3 * self.count
+        # Turning changes the direction of a force, hence the grains' rows, not Σ f_n r.
+        on_grains = diags_array(np.r_[np.ones(last), 0.0]) @ m_n
+        tangent = m_n @ on_normal @ m_n.T - m_t @ on_slip @ m_t.T + m_t @ slides @ m_n.T
+        tangent += sideways @ diags_array(trial.normal / trial.r) @ sideways.T
+        tangent -= on_grains @ diags_array(trial.tangential / trial.r) @ sideways.T
+        cell_row = m_n @ trial.normal / self.span
+        cell_row[-1] -= 2 * trial.load / self.span
+        where = (np.full(last + 1, last), np.arange(last + 1))
+        return csr_array(tangent + coo_array((cell_row, where), tangent.shape))
+
     def factorise(self, trial: Trial, shift: float = PIN) -> Callable[[Floats], Floats]:
         """Sparse LU of the tangent minus ``shift`` κ: residual -> Newton step.
 
         Rattlers are left out: they only follow the cell.
         """
-        on_normal, on_slip, slides = map(diags_array, self.response(trial))
-        m_n, m_t, sideways = trial.m_n, trial.m_t, trial.sideways
-        tangent = m_n @ on_normal @ m_n.T - m_t @ on_slip @ m_t.T + m_t @ slides @ m_n.T
-        tangent += sideways @ diags_array(trial.normal / trial.r) @ sideways.T
-        tangent -= m_n @ diags_array(trial.tangential / trial.r) @ sideways.T
-        last = 3 * self.count
-        cell_row = m_n @ trial.normal / self.span
-        cell_row[-1] -= 2 * trial.load / self.span
-        everywhere = np.arange(last + 1)
-        tangent += coo_array((cell_row, (np.full(last + 1, last), everywhere)), tangent.shape)
         grains = np.zeros(self.count, bool)
         grains[self.near.pairs[trial.bearing]] = True
         active = np.flatnonzero(np.r_[grains, grains, grains & self.rotates, True])
-        reduced = csc_array(tangent)[active][:, active]
+        reduced = csc_array(self.tangent(trial))[active][:, active]
         lu = splu(csc_array(reduced - shift * self.law.stiffness * eye_array(len(active))))
 
         def newton_step(residual: Floats) -> Floats:
-            y = np.zeros(last + 1)
+            y = np.zeros(len(residual))
             y[active] = -lu.solve(residual[active])
             return y
 

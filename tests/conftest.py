@@ -23,7 +23,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 def backend(request: pytest.FixtureRequest) -> str:
     """Each kernel in turn; Numba's only where it is installed."""
     if request.param == "numba" and find_spec("numba") is None:
-        pytest.skip("Numba is not installed: the compiled twin kernel is not compared")
+        pytest.skip("Numba is not installed: its kernel is not tested")
     return str(request.param)
 
 

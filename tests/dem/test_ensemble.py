@@ -108,11 +108,14 @@ def test_cut_off_file_is_detected_and_computed_again(expected, tmp_path):
 def test_one_failure_does_not_lose_the_others(tmp_path):
     """The failing scene is named at the end, when the rest is in the store."""
     scenes = [Scene(24, 1e-1), Scene(3, 1e-1), Scene(24, 1e-1)]
-    with pytest.raises(ValueError, match="less than twice the range"):
-        relax_ensemble(
-            scenes, SEEDS, executor=Counting(), store=tmp_path, settings=SETTINGS, progress=False
-        )
-    assert len(list(tmp_path.glob("*.npz"))) == 2
+    for folder, executor in ((tmp_path / "here", None), (tmp_path / "there", Counting())):
+        with pytest.raises(ValueError, match="less than twice the range") as caught:
+            relax_ensemble(
+                scenes, SEEDS, executor=executor, store=folder, settings=SETTINGS, progress=False
+            )
+        assert "grains=3" in caught.value.__notes__[0]
+        assert "seed 2" in caught.value.__notes__[0]
+        assert len(list(folder.glob("*.npz"))) == 2
 
 
 KILLED = """
@@ -163,8 +166,81 @@ def test_key_tells_apart_all_that_decides_a_packing(monkeypatch):
     }
     monkeypatch.setattr(ensemble, "ALGORITHM", -1)
     keys.add(packing_key(scene, 1, SETTINGS))
-    assert len(keys) == 5
+    monkeypatch.setattr(ensemble, "FORMAT", -1)
+    keys.add(packing_key(scene, 1, SETTINGS))
+    assert len(keys) == 6
     assert packing_key(scene, 1, SETTINGS) == packing_key(scene, 1, SETTINGS)
+
+
+def test_store_that_is_a_file_is_refused_before_any_work(tmp_path):
+    file = tmp_path / "store"
+    file.write_text("")
+    with pytest.raises(ValueError, match=r"store = '.*store' is a file"):
+        relax_ensemble(SCENES, SEEDS, store=file, settings=SETTINGS, executor=Counting())
+
+
+def test_foreign_packing_under_a_good_name_is_not_loaded(expected, tmp_path):
+    expected[0].save(tmp_path / f"{packing_key(SCENES[0], 7, SETTINGS)}.npz")
+    with pytest.warns(UserWarning, match="holds another scene or seed"):
+        found = relax_ensemble(SCENES[:1], [7], store=tmp_path, settings=SETTINGS, progress=False)
+    assert found[0].info["seed"] == 7
+
+
+def test_numbers_of_numpy_are_numbers(tmp_path):
+    """Seeds and scenes from arrays store like those of Python, under the same name."""
+    scene = Scene(np.int64(24), np.float64(1e-2))
+    relax_ensemble([scene], np.array([1]), store=tmp_path, settings=SETTINGS, progress=False)
+    assert (tmp_path / f"{packing_key(SCENES[0], 1, SETTINGS)}.npz").exists()
+
+
+@pytest.mark.parametrize(
+    ("seed", "message"),
+    [
+        (None, "seed = None is not a whole number"),
+        (1.7, "seed = 1.7 is not a whole number"),
+        ("3", "seed = '3' is not a whole number"),
+        (-1, "seed = -1 is negative"),
+    ],
+)
+def test_bad_seed(seed, message):
+    for call in (relax, lambda s, n: relax_ensemble([s], [n])):
+        with pytest.raises(ValueError, match=message):
+            call(SCENES[0], seed)
+
+
+class Interrupted(Counting):
+    """Ctrl-C while the second result is fetched; the third was ready by then."""
+
+    def submit(self, fn, /, scene, seed, **kwargs):
+        future = super().submit(fn, scene, seed, **kwargs)
+        if len(self.calls) == 2:
+            future = Future()
+            future.set_exception(KeyboardInterrupt())
+        return future
+
+
+def test_interrupt_keeps_what_is_ready(tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        relax_ensemble(
+            SCENES, SEEDS, executor=Interrupted(), store=tmp_path, settings=SETTINGS,
+            progress=False,
+        )  # fmt: skip
+    assert len(list(tmp_path.glob("*.npz"))) == 2
+
+
+def test_failed_write_leaves_the_old_file_and_no_part(expected, tmp_path, monkeypatch):
+    target = tmp_path / "p.npz"
+    expected[0].save(target)
+    old = target.read_bytes()
+
+    def full_disk(*args: object, **kwargs: object) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr(np, "savez_compressed", full_disk)
+    with pytest.raises(OSError, match="no space"):
+        expected[1].save(target)
+    assert target.read_bytes() == old
+    assert list(tmp_path.iterdir()) == [target]
 
 
 def test_scenes_and_seeds_must_pair_up():

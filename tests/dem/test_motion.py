@@ -164,6 +164,54 @@ def test_neighbour_list_is_complete(seed):
             == brute_force(s, 0.2)  # fmt: skip
 
 
+def test_shrinking_cell_brings_absent_pairs_into_contact(backend):
+    """No peculiar motion: the cell alone, straining at e, closes a gap wider than the skin.
+
+    The grains must repel as they do with a list made at every step.
+    """
+    law, drive = ContactLaw(friction=0.0), Drive(pressure=1e-12)
+    often, seldom = (
+        State(
+            np.array([[3.0, 5.0], [4.3, 5.0]]), np.full(2, 0.5),
+            cell=np.diag([10.0, 10.0]), strain_rate=-0.05,
+        )
+        for _ in range(2)
+    )  # fmt: skip
+    for _ in range(70):
+        step(often, law, 0.1, drive=drive, skin=1e-9, backend=backend)
+    step(seldom, law, 0.1, drive=drive, steps=70, skin=0.2, backend=backend)
+    assert often.velocities[1, 0] > 1e-3
+    assert seldom.velocities == pytest.approx(often.velocities, rel=1e-9)
+
+
+def test_skin_asked_for_is_the_skin_used():
+    state = State(np.array([[0.0, 0.0], [1.4, 0.0]]), np.full(2, 0.5))
+    for skin, pairs in ((0.5, 1), (0.1, 0)):
+        step(state, ContactLaw(), 0.1, skin=skin, backend="numpy")
+        assert len(state._near.pairs) == pairs
+
+
+def test_history_of_another_image_is_forgotten():
+    for image, kept in ((-1, 0.01), (0, 0.0)):
+        old = History(np.array([[0, 1]]), np.array([[image, 0]]), np.array([0.01]))
+        state = State(
+            np.array([[0.2, 5.0], [9.3, 5.0]]), np.full(2, 0.5),
+            cell=np.diag([10.0, 10.0]), history=old,
+        )  # fmt: skip
+        assert find_neighbours(state, 0.2).elongation.tolist() == [kept]
+
+
+def test_law_changed_between_steps_is_the_law_used(backend):
+    """The first half kick after the change already has the new stiffness."""
+    soft, hard = ContactLaw(friction=0.0), ContactLaw(stiffness=4.0, friction=0.0)
+    one = State(np.array([[0.0, 0.0], [0.9, 0.0]]), np.full(2, 0.5))
+    step(one, soft, 0.01, backend=backend)
+    two = replace(one)
+    for s in (one, two):
+        step(s, hard, 0.01, backend=backend)
+    assert one.velocities == pytest.approx(two.velocities, rel=8 * EPS)
+
+
 @pytest.mark.parametrize("skin", [0.05, 0.2, 0.5])
 def test_skin_changes_the_cost_but_not_the_motion(backend, skin):
     """A contact missed by a stale list would change forces by far more than round-off."""
@@ -232,6 +280,9 @@ def test_bad_state(change, message):
         ({"dt": np.nan}, "dt = nan"),
         ({"dt": 0.1, "drive": Drive(pressure=0.1)}, "asks for a cell"),
         ({"dt": 0.1, "backend": "fortran"}, "backend = 'fortran'"),
+        ({"dt": 0.1, "steps": 0}, "steps = 0"),
+        ({"dt": 0.1, "skin": -0.2}, "skin = -0.2"),
+        ({"dt": 0.1, "skin": np.nan}, "skin = nan"),
     ],
 )
 def test_bad_step(kwargs, message):
@@ -254,6 +305,12 @@ def test_bad_step(kwargs, message):
 def test_bad_law(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_grains_at_one_place_are_named():
+    state = State(np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 0.0]]), np.full(3, 0.5))
+    with pytest.raises(ValueError, match="grains 1 and 2 are at one place"):
+        step(state, ContactLaw(), 0.1)
 
 
 def test_exploding_time_step_says_so(backend):

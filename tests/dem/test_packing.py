@@ -58,7 +58,10 @@ def changed(name: str, index: object, value: float) -> dict[str, np.ndarray]:
     [
         (lambda p: changed("positions", (3, 0), np.nan), r"positions\[3, 0\] is nan"),
         (lambda p: changed("radii", 2, -0.4), "grain 2 has radius -0.4"),
-        (lambda p: changed("pairs", (0, 1), 99), "contact 0 names grain 99, but there are 48"),
+        (
+            lambda p: changed("pairs", (0, 1), 99),
+            "contact 0 names grain 99, but they are 0 ... 47",
+        ),
         (lambda p: {"positions": p.positions[:-1]}, r"positions has shape \(47, 2\)"),
         (lambda p: {"cell": np.array([[1.0, 2.0], [2.0, 4.0]])}, "is singular"),
         (lambda p: {"stiffness": 0.0}, "stiffness = 0.0"),
@@ -66,10 +69,36 @@ def changed(name: str, index: object, value: float) -> dict[str, np.ndarray]:
         (lambda p: {"friction": -1.0}, "friction = -1.0"),
         (lambda p: {"radii": p.radii * 0.99}, r"contact \d+ \(\d+, \d+\) does not touch: .* open"),
         (
-            lambda p: {"normal_forces": p.normal_forces * np.linspace(0.5, 2, len(p.pairs))},
+            lambda p: {"normal_forces": p.normal_forces * np.linspace(1, 2, len(p.pairs))},
             r"the forces on grain \d+ do not balance: residual",
         ),
         (lambda p: {"tangential_forces": -p.tangential_forces}, "do not balance"),
+        (
+            lambda p: {
+                "normal_forces": 2 * p.normal_forces,
+                "tangential_forces": 2 * p.tangential_forces,
+            },
+            "carry a pressure of 0.002, not the 0.001",
+        ),
+        (lambda p: {"normal_forces": -p.normal_forces}, r"contact \d+ pulls: f_n = -"),
+        (lambda p: {"friction": 1e-3}, r"contact \d+ exceeds the Coulomb cap of friction 0.001"),
+        (lambda p: {"friction": 0.0}, "exceeds the Coulomb cap of friction 0:"),
+        (lambda p: {"pairs": p.pairs + 0.5}, r"pairs\[0, 0\] is 0.5, no whole number"),
+        (lambda p: changed("pairs", (0, 0), -1), "contact 0 names grain -1"),
+        (lambda p: {"pairs": p.pairs[:, ::-1]}, r"contact 0 is \(\d+, 0\): write i < j"),
+        (lambda p: changed("pairs", (0,), 3) | {"images": 0 * p.images}, r"contact 0 is \(3, 3\)"),
+        (
+            lambda p: {
+                n: np.concatenate([getattr(p, n), getattr(p, n)[:1]])
+                for n in ("pairs", "images", "normal_forces", "tangential_forces")
+            },
+            r"contact \d+ \[0, \d+, -?\d+, -?\d+\] is a duplicate",
+        ),
+        (lambda p: {"cell": None}, r"contact \d+ has image \[.*\] but there is no cell"),
+        (
+            lambda p: {"radii": p.radii * (1 - 2 * p.overlaps.max() - 1e-8)},
+            "does not touch: it is open by",
+        ),
     ],
 )
 def test_bad_packing(change, message):

@@ -107,6 +107,9 @@ def test_not_relaxed_carries_the_state_and_advice():
     [
         ({"grains": 2}, "grains = 2: a packing needs at least 3"),
         ({"grains": 10.5}, "grains = 10.5 is not a whole number"),
+        ({"grains": float("nan")}, "grains = nan is not a whole number"),
+        ({"grains": None}, "grains = None is not a whole number"),
+        ({"delta": "small"}, "delta = 'small' is not a number"),
         ({"delta": 0.0}, r"delta = 0.0 is outside (0, 0.2]"),
         ({"delta": 0.21}, r"delta = 0.21 is outside (0, 0.2]"),
         ({"delta": float("nan")}, "delta = nan"),

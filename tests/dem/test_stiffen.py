@@ -8,6 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
+import dem.ensemble as ensemble
 from dem import Packing, Scene, Settings, packing_key, refine, relax, stiffen
 from dem.polish import PolishFailed
 from tests.conftest import packing
@@ -158,10 +159,14 @@ def test_wrong_continuations_are_refused():
         refine(column())
 
 
-def test_keys_of_continued_packings_are_their_own():
-    """The key of a packing that time integration makes is what it was before continuation."""
+def test_keys_of_continued_packings_are_their_own(monkeypatch):
+    """A new way to continue changes the names of continued packings alone."""
     plain = Settings(backend="numpy")
-    assert packing_key(Scene(48, 1e-3), 1, plain) == "ea1fa824e64a966cd0316cc6"
+    scenes = [Scene(48, 1e-3), Scene(48, 1e-7)]
+    before = [packing_key(s, 1, plain) for s in scenes]
+    monkeypatch.setattr(ensemble, "CONTINUATION", -1)
+    after = [packing_key(s, 1, plain) for s in scenes]
+    assert (before[0] == after[0], before[1] == after[1]) == (True, False)
     assert packing_key(Scene(48, 1e-7), 1, plain) != packing_key(
         Scene(48, 1e-7), 1, Settings(backend="numpy", polish=False)
     )

@@ -14,18 +14,17 @@ from scaling import ContactNetwork
 from tests.conftest import packing
 from tests.scaling.networks import Truth, loaded
 
-DELTAS = (1e-1, 1e-2, 1e-3, 1e-4)
+DELTAS = (1e-2, 1e-1, 1e-3, 1e-4, 1e-5)
 seeds = st.integers(0, 2**32 - 1)
-noises = st.sampled_from(["diameter", "radius", "relative", "position"])
 size_noises = st.sampled_from(["diameter", "radius", "relative"])
 
 
 @st.composite
-def scenes(draw: st.DrawFn, frictions: tuple[float, ...] = (0.3, 0.0, 0.1, 1.0)) -> dict:
+def scenes(draw: st.DrawFn) -> dict:
     """Grain number, friction, polydispersity and seed of a small packing; Δ apart."""
     return {
         "grains": draw(st.sampled_from([20, 26, 36, 48])),
-        "friction": draw(st.sampled_from(frictions)),
+        "friction": draw(st.sampled_from([0.3, 0.0, 0.1, 1.0])),
         "polydispersity": draw(st.sampled_from([0.3, 0.1, 0.2, 0.4])),
         "seed": draw(st.integers(0, 4)),
     }

@@ -1,0 +1,90 @@
+"""Is this record a packing at rest?  What is refused, with culprit and number."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from doubledouble import EPS
+
+if TYPE_CHECKING:
+    from dem.packing import Packing
+
+#: Largest force or torque residual, in p⟨σ⟩, that still counts as balanced.  Integration to
+#: ⟨v⟩ < 1e-8 leaves ~ 1e-8 Δ^(-1/2); a packing in motion has residuals of order 1.
+BALANCED = 1e-2
+#: A force-bearing contact is no wider open than this many round-off units ε L.
+TOUCHING = 1000
+
+
+def check_contacts(p: Packing) -> None:
+    """Contacts join known grains, i < j (or i = j through an image), each once."""
+    count = len(p.radii)
+    if bad := np.argwhere((p.pairs < 0) | (p.pairs >= count)).tolist():
+        e, k = bad[0]
+        raise ValueError(
+            f"contact {e} names grain {p.pairs[e, k]}, but they are 0 ... {count - 1}"
+        )
+    i, j = p.pairs.T
+    itself = (i == j) & ~p.images.any(axis=1)
+    disordered = (i > j) | itself
+    if disordered.any():
+        e = int(np.argmax(disordered))
+        raise ValueError(
+            f"contact {e} is {tuple(p.pairs[e].tolist())}: write i < j, or i = j with an image"
+        )
+    if p.cell is None and p.images.any():
+        e = int(np.argmax(p.images.any(axis=1)))
+        raise ValueError(f"contact {e} has image {p.images[e].tolist()} but there is no cell")
+    keys = np.column_stack([p.pairs, p.images])
+    _, first = np.unique(keys, axis=0, return_index=True)
+    if repeated := sorted(set(range(len(keys))) - set(first.tolist())):
+        raise ValueError(f"contact {repeated[0]} {keys[repeated[0]].tolist()} is a duplicate")
+
+
+def check_forces(p: Packing) -> None:
+    """Contacts touch, push, hold their friction and balance; the virial is the pressure."""
+    span = float(np.ptp(p.positions, axis=0).max()) if p.cell is None else p.width
+    ulp = np.finfo(float).eps if p.positions_low is None else EPS
+    allowed = TOUCHING * ulp * (span + 1)
+    gap = -p.overlaps
+    if len(gap) and not gap.max() <= allowed:
+        e = int(gap.argmax())
+        raise ValueError(
+            f"contact {e} {tuple(p.pairs[e].tolist())} does not touch: it is open by {gap[e]:.3g}"
+        )
+    slack = BALANCED * p.pressure * 2 * p.radii.mean()
+    for name, excess in (
+        ("pulls", -p.normal_forces - slack),
+        (
+            f"exceeds the Coulomb cap of friction {p.friction:g}",
+            np.abs(p.tangential_forces) - p.friction * p.normal_forces - slack,
+        ),
+    ):
+        if (excess > 0).any():
+            e = int(excess.argmax())
+            raise ValueError(
+                f"contact {e} {name}: f_n = {p.normal_forces[e]:.3g}, "
+                f"f_t = {p.tangential_forces[e]:.3g}, pressure {p.pressure:.3g}"
+            )
+    residual = p.residuals()
+    if not residual.max(initial=0.0) <= BALANCED:
+        grain = int(residual.argmax())
+        raise ValueError(
+            f"the forces on grain {grain} do not balance: "
+            f"residual {residual[grain]:.3g} p⟨σ⟩, allowed {BALANCED}"
+        )
+    _check_pressure(p)
+
+
+def _check_pressure(p: Packing) -> None:
+    """In a cell the virial Σ f_n r/2A is the pressure: balance alone leaves the scale free."""
+    if p.cell is None:
+        return
+    area = abs(float(np.linalg.det(p.cell)))
+    virial = float(p.normal_forces @ np.abs(p.branches)) / (2 * area)
+    if not abs(virial / p.pressure - 1) <= BALANCED:
+        raise ValueError(
+            f"the forces carry a pressure of {virial:.4g}, not the {p.pressure:.4g} stated"
+        )

@@ -1,0 +1,140 @@
+"""Newton's polish: its tangent, its backbone, and the packings that need its patience."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import dem.polish as polish_module
+from dem import ContactLaw, Drive, NotRelaxed, Scene, Settings, State, relax, step
+from dem.polish import PolishFailed, polish
+from dem.relax import _speed
+from dem.rest import backbone, fewest_contacts
+from dem.start import loose_state
+from dem.tangent import PIN, Equilibrium
+from tests.conftest import packing
+
+
+def nearly_at_rest(delta: float, friction: float) -> tuple[State, ContactLaw]:
+    """A packing still on its way: sticking, sliding and open contacts, residual ~ p."""
+    scene = Scene(40, delta, friction=friction)
+    state, law = loose_state(scene, np.random.default_rng(1)), ContactLaw(friction=friction)
+    drive = Drive(drag=delta**0.5, pressure=delta)
+    step(state, law, 0.1, drive=drive, steps=700, skin=0.2, backend="numpy")
+    return state, law
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1, 0.3])
+@pytest.mark.parametrize("delta", [1e-1, 1e-2])
+def test_tangent_is_the_derivative_of_the_residual(delta, friction):
+    """dR/dy against a central difference: sticking, sliding, turning and cell strain included.
+
+    With h = 1e-7 the difference is good to h² + ε L/h ~ 1e-8, geometric terms are of order Δ.
+    """
+    state, law = nearly_at_rest(delta, friction)
+    # Sliding contacts sit on the kink between stick and slide; a lower cap puts them beyond it.
+    law = replace(law, friction=0.7 * friction)
+    balance = Equilibrium(state, state._near, law, delta)
+    y, h = np.zeros(3 * len(state.radii) + 1), 1e-7
+    rng = np.random.default_rng(0)
+    trial = balance.trial(y)
+    if friction:
+        assert trial.sliding.any()
+        assert (trial.bearing & ~trial.sliding).any()
+
+    def residual(y: np.ndarray) -> np.ndarray:
+        t = balance.trial(y)
+        assert np.array_equal(t.bearing, trial.bearing), "a contact opened: take a smaller h"
+        if friction:
+            assert np.array_equal(t.sliding, trial.sliding), "a contact slipped"
+        return t.residual(t.normal, t.tangential)
+
+    for _ in range(5):
+        move = rng.uniform(-1, 1, len(y))
+        if not friction:
+            move[2 * len(state.radii) : -1] = 0
+        slope = (residual(h * move) - residual(-h * move)) / (2 * h)
+        assert np.abs(slope - balance.tangent(trial) @ move).max() < 1e-6
+
+
+def test_backbone_takes_rattlers_off_one_after_another():
+    """A chain 3-4-5 hangs on the triangle 0-1-2: 5 has one contact, then 4, then 3."""
+    pairs = np.array([[0, 1], [1, 2], [0, 2], [2, 3], [3, 4], [4, 5]])
+    kept = backbone(pairs, np.ones(6, bool), 6, 2)
+    assert kept.tolist() == [True] * 3 + [False] * 3
+    assert not backbone(pairs, np.ones(6, bool), 6, 3).any()
+    assert fewest_contacts(ContactLaw(friction=0.3)) == 2
+    assert fewest_contacts(ContactLaw(friction=0.0)) == 3
+
+
+def test_cell_in_motion_is_not_rest():
+    state = State(np.zeros((1, 2)), np.ones(1), cell=np.eye(2) * 9, strain_rate=-0.5)
+    assert _speed(state) == 0.5
+
+
+def early_polishes(seeds: range) -> int:
+    """How many packings at ⟨v⟩ < 1e-3, long before rest, Newton brings to balance."""
+    delta, succeeded = 1e-3, 0
+    drive = Drive(drag=delta**0.5, pressure=delta)
+    for seed in seeds:
+        state, law = loose_state(Scene(64, delta), np.random.default_rng(seed)), ContactLaw()
+        while True:
+            step(state, law, 0.088, drive=drive, steps=100, skin=0.2)
+            virial = state._forces.virial / (2 * np.prod(np.diag(state.cell)) * delta)
+            if abs(virial - 1) < 0.01 and _speed(state) < 1e-3 * delta**0.5:
+                break
+        try:
+            polish(state, state._near, law, delta)
+            succeeded += 1
+        except PolishFailed:
+            pass
+    return succeeded
+
+
+def test_shift_lets_newton_start_further_from_rest(monkeypatch):
+    """Groups of grains that nothing holds stop a bare Newton; the shift moves them by ~ Δ."""
+    with_shift = early_polishes(range(10))
+    monkeypatch.setattr(polish_module, "SHIFT", PIN)
+    assert with_shift > early_polishes(range(10))
+
+
+def test_failed_polish_leaves_the_state_as_it_was():
+    state, law = nearly_at_rest(1e-2, 0.3)
+    before = state.positions.copy(), state.cell.copy(), state._near.elongation.copy()
+    with pytest.raises(PolishFailed):
+        polish(state, state._near, law, 1.0)  # a hundred times the pressure it is at
+    after = state.positions, state.cell, state._near.elongation
+    assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
+
+
+def test_residual_tolerance_is_obeyed():
+    with pytest.raises(NotRelaxed, match=r"\(residual .* p\)"):
+        relax(Scene(32, 1e-2), 1, settings=Settings(residual_tolerance=1e-30, longest=60))
+
+
+def test_unpolished_packing_must_balance_all_the_same():
+    """A velocity criterion too weak for balance integrates on instead of handing out a record."""
+    p = packing(delta=1e-2, polish=False, velocity_tolerance=1e-3)
+    assert p.residuals().max() <= 1e-2
+
+
+@pytest.mark.parametrize("change", ["force", "torque"])
+def test_external_load_counts_in_the_balance(change):
+    """A force, or a torque over R, on one grain leaves a residual of that size, and is refused."""
+    p = packing(delta=1e-2)
+    load = np.zeros((len(p.radii), 3))
+    grain = int(np.flatnonzero(~p.rattlers)[0])
+    load[grain, 0 if change == "force" else 2] = 0.002 * p.pressure
+    expected = 0.002 / (1 if change == "force" else p.radii[grain])
+    loaded = replace(p, external=load)
+    assert loaded.residuals()[grain] == pytest.approx(expected, rel=1e-6)
+    with pytest.raises(ValueError, match=f"forces on grain {grain} do not balance"):
+        replace(p, external=50 * load)
+
+
+def test_stiff_tangential_springs_come_to_rest():
+    """The time step follows the stiffer of the two springs."""
+    p = relax(Scene(32, 1e-2, stiffness_ratio=30.0), 1)
+    assert p.residuals().max() <= 1e-9
