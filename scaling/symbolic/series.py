@@ -31,16 +31,19 @@ def stationarity() -> tuple[Expr, Expr]:
     The equilateral triangle: u = v = tan 30°.
     """
     regular = triangle().at({u: 1 / sp.sqrt(3), v: 1 / sp.sqrt(3)})
-    M = regular.M(frictional=False).applyfunc(sp.nsimplify)
+    M = regular.M(frictional=False)
     eta = noise_map(regular).col(0)
-    w = Matrix([w_0, w_0, w_1])
-    balance = (M.T * M).applyfunc(sp.simplify) * (w.applyfunc(lambda x: x**3) - sp.ones(3, 1))
-    closure = (regular.Q.T * regular.Q).applyfunc(sp.simplify) * (
-        w.applyfunc(lambda x: x**2) - sp.ones(3, 1) - zeta * eta
+    w = Matrix(sp.symbols("w_01 w_02 w_12"))
+    balance = M * (w.applyfunc(lambda x: x**3) - sp.ones(3, 1))
+    closure = regular.Q * (w.applyfunc(lambda x: x**2) - sp.ones(3, 1) - zeta * eta)
+    cost = (balance.T * balance + closure.T * closure)[0]
+    mirror = {w[0]: w_0, w[1]: w_0, w[2]: w_1}
+    first, second, third = (
+        sp.expand(sp.cancel(sp.simplify(sp.diff(cost, x)) / (2 * x)).subs(mirror)) for x in w
     )
-    gradient = [3 * w[k] * balance[k] + 2 * closure[k] for k in range(3)]
-    assert sp.expand(gradient[0] - gradient[1]) == 0  # mirror symmetry
-    return sp.expand(gradient[0]), sp.expand(gradient[2])
+    if sp.expand(first - second) != 0:
+        raise ArithmeticError("the noise on grain 0 is not mirror symmetric")
+    return first, third
 
 
 Point = tuple[complex, complex, complex]  # ζ, w_0, w_1

@@ -8,7 +8,16 @@ import sympy as sp
 from sympy.physics import units
 
 from scaling import force_equation
-from scaling.symbolic import bridge, contact, dimensions, hertz, newton, ring_squared_gain, series
+from scaling.symbolic import (
+    bridge,
+    contact,
+    dimensions,
+    hertz,
+    newton,
+    ring,
+    ring_squared_gain,
+    series,
+)
 from scaling.symbolic.fourier import n, theta
 
 HERTZ = sp.Rational(3, 2)
@@ -204,3 +213,15 @@ def test_truncated_series_solves_the_equations_inside_its_radius():
     ratio = float(zeta) / 4.055
     for equation in series.stationarity():
         assert abs(float(equation.subs(values))) < 10 * ratio ** (order + 1)
+
+
+@pytest.mark.parametrize("zeta", [-1.0, 0.3, 1.0])
+def test_series_is_what_newton_finds_on_the_triangle(zeta):
+    """The same least squares by two routes: rational series and floating-point iteration."""
+    M, Q, _ = bridge.matrices(ring(3), frictional=False)
+    ones = np.ones(3)
+    eta = np.array([0.5, 0.0, 0.5])  # ring contacts (0, 1), (1, 2), (0, 2): grain 0 is too large
+    found = newton.reconstruct(M, Q, -M @ ones, Q @ (ones + zeta * eta), 1.5, ones)
+    w_0, w_1 = (sum(float(c) * zeta**k for k, c in enumerate(s)) for s in series.coefficients(24))
+    # what the series leaves out: (ζ/4.055)^25
+    np.testing.assert_allclose(found, [w_0**3, w_1**3, w_0**3], rtol=1e-9)
