@@ -35,9 +35,11 @@ def main() -> None:
         facts = figure.facts(packings, edition)
         report(str(write(drawn, edition.folder, name, table, facts)[0].relative_to(ROOT)))
     rows = table1.compute(packings, errors)
-    write_table(edition.folder / "table1.csv", rows, fig1.facts(packings, edition))
+    fits = table1.fits(packings, errors)
+    facts = fig1.facts(packings, edition) | {"fits": fits}
+    write_table(edition.folder / "table1.csv", rows, facts)
     report(f"PNG, PDF and CSV are in {edition.folder.relative_to(ROOT)}/")
-    print("\n" + table1.text(rows, packings, errors))
+    print("\n" + table1.text(rows, fits))
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import pytest
 from paper_figs import fig1, fig2, fig3, table1
 from paper_figs.packings import DELTAS, FULL, QUICK, seed_of
 from paper_figs.style import write
+from scaling import amplification_of
 from tests.conftest import packing
 
 GRAINS = 40
@@ -40,7 +41,10 @@ def test_figure_1_collapses_with_slope_one(packings, tmp_path):
         slope = np.polyfit(np.log(mine["xi"]), np.log(mine["error"]), 1)[0]
         assert slope == pytest.approx(1, abs=0.1)
         assert mine["error"] / mine["ratio"] == pytest.approx(mine["C_diameter"], rel=0.5)
-    assert table["C_radius"] == pytest.approx(2 * table["C_diameter"])
+    for p in packings[::5]:
+        mine = table[table["delta"] == p.delta]
+        assert amplification_of(p, noise="radius") == pytest.approx(2 * amplification_of(p))
+        assert mine["C_radius"] == pytest.approx(2 * mine["C_diameter"])
     assert table["xi"].max() <= fig1.LARGEST_XI
     assert table["ratio"][table["delta"] == 1e-6].max() == pytest.approx(1e3)
     paths = write(fig1.plot(table), tmp_path, "fig1", table, fig1.facts(packings, SMALL))
@@ -96,4 +100,7 @@ def test_table_1_tells_steps_and_prefactors(packings):
     slope, scatter, control = table1.collapse_fit(errors)
     assert slope == pytest.approx(1, abs=0.05)
     assert scatter < 0.3 < 1 < control
-    assert table1.text(rows, packings, errors).count("\n| 1e-") == len(DELTAS)
+    fits = table1.fits(packings, errors)
+    assert fits["collapse_slope"] == slope
+    assert table1.text(rows, fits).count("\n| 1e-") == len(DELTAS)
+    assert rows["spring"].max() < 100
