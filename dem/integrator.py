@@ -116,5 +116,9 @@ def _write_back(state: State, motion: Motion, near: Neighbours) -> None:
     state.spins = motion.s / state.radii
     state.strain_rate = motion.rate
     if state.cell is not None:
+        if not 0 < motion.scale < np.inf:
+            raise FloatingPointError(
+                f"the cell has shrunk to {motion.scale:.3g} of itself: the time step is too long"
+            )
         state.cell = np.diag(near.sides * motion.scale)
     state.history = near.history()

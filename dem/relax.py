@@ -17,14 +17,13 @@ import numpy as np
 
 from dem.integrator import resolve_backend, step
 from dem.law import ContactLaw, Drive, stable_time_step
-from dem.neighbours import Neighbours
+from dem.neighbours import Neighbours, find_neighbours
 from dem.packing import Packing
 from dem.polish import PolishFailed, polish
 from dem.progress import RestBar
 from dem.rest import Rest, rest_as_is
 from dem.scene import Scene, seed_number
 from dem.settings import Settings
-from dem.soundness import BALANCED
 from dem.start import loose_state
 from dem.state import State
 from dem.stiffen import stiffen
@@ -37,8 +36,14 @@ CONTINUED_FROM = (1e-6, 5e-7, 2.5e-7)
 STRIDE = 200
 #: The pressure must have arrived, too: a gas at rest is not a packing.
 PRESSURE_TOLERANCE = 0.01
+#: Largest force residual, in p, of a packing that is not polished.
+RESTED = 1e-3
 #: After a failed polish: inertial times until the next, unless the speed falls tenfold before.
 RETRY = 10.0
+
+
+class _NotRight(ArithmeticError):
+    """At rest, but no packing of the scene."""
 
 
 class NotRelaxed(RuntimeError):
@@ -101,10 +106,15 @@ def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | Non
     target, again = settings.speed, 0
     with RestBar(scene.delta, target, limit, progress) as bar:
         while steps < limit:
-            step(
-                state, law, dt, drive=drive, steps=STRIDE,
-                skin=settings.skin, backend=settings.backend,
-            )  # fmt: skip
+            try:
+                step(
+                    state, law, dt, drive=drive, steps=STRIDE,
+                    skin=settings.skin, backend=settings.backend,
+                )  # fmt: skip
+            except FloatingPointError as burst:
+                raise NotRelaxed(
+                    _where(scene, seed) + str(burst), state, np.inf, np.inf
+                ) from burst
             steps += STRIDE
             speed = _speed(state) * inertial
             bar.show(steps, speed)
@@ -118,6 +128,15 @@ def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | Non
                 target, why = speed / 10, f" ({failure})"
                 again = steps + int(RETRY * inertial / dt)
                 continue
+            except _NotRight as wrong:
+                raise NotRelaxed(_where(scene, seed) + str(wrong), state, speed, np.nan) from wrong
+            if not settings.polish and (residual := _residual(state) / scene.pressure) > RESTED:
+                raise NotRelaxed(
+                    f"{_where(scene, seed)}mean speed {speed:.1e} √(p/ρ), but a force residual of "
+                    f"{residual:.1e} p (allowed {RESTED:g}): this velocity tolerance "
+                    f"({settings.speed:g}) stops before rest; lower it, or polish",
+                    state, speed, residual,
+                )  # fmt: skip
             packing = _packing(scene, seed, settings, state, near, rest)
             packing.info.update(steps=steps, speed=speed, inertial_times=steps * dt / inertial)
             return packing
@@ -125,7 +144,7 @@ def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | Non
         step(state, law, dt, drive=drive, skin=settings.skin, backend=settings.backend)
     residual = _residual(state) / scene.pressure
     raise NotRelaxed(
-        f"Δ = {scene.delta:g}, N = {scene.grains}, seed {seed}: mean speed {speed:.2e} √(p/ρ) "
+        f"{_where(scene, seed)}mean speed {speed:.2e} √(p/ρ) "
         f"after {steps} steps, wanted {settings.speed:.0e}; largest force or torque residual "
         f"{residual:.2e} p{why}. Allow more time (longest = {settings.longest:g}), a drag nearer "
         f"1 (now {settings.drag:g}), or no dashpot (now {settings.dashpot:g})",
@@ -133,6 +152,10 @@ def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | Non
         speed,
         residual,
     )
+
+
+def _where(scene: Scene, seed: int) -> str:
+    return f"Δ = {scene.delta:g}, N = {scene.grains}, seed {seed}: "
 
 
 def _speed(state: State) -> float:
@@ -159,13 +182,31 @@ def _settle(
     near = state._near
     assert isinstance(near, Neighbours)
     if not settings.polish:
-        if (residual := _residual(state) / scene.pressure) > BALANCED:
-            raise PolishFailed(f"no polish, and a residual of {residual:.2e} p is no balance")
-        return near, rest_as_is(state, near, law)
+        rest = rest_as_is(state, near, law)
+        _refuse_missed_contacts(state, near)
+        return near, rest
     rest = polish(state, near, law, scene.pressure)
     if rest.residual > settings.residual_tolerance:
         raise PolishFailed(f"residual {rest.residual:.2e} p")
+    _refuse_missed_contacts(state, near)
     return near, rest
+
+
+def _refuse_missed_contacts(state: State, near: Neighbours) -> None:
+    """Every overlapping pair of the final positions, found anew, must be on the list used, and
+    no grain may hold the centre of another: it has tunnelled."""
+    fresh = find_neighbours(replace(state), 1e-3)
+    r = np.abs(fresh.branches(state))
+    known = {tuple(k) for k in np.hstack([near.pairs, near.images]).tolist()}
+    for e in np.flatnonzero(r < fresh.sigma):
+        i, j = fresh.pairs[e]
+        if (i, j, *fresh.images[e]) not in known:
+            raise _NotRight(
+                f"grains {i} and {j} overlap by {fresh.sigma[e] - r[e]:.3g} and were not on the "
+                "neighbour list: take a wider skin or a shorter time step"
+            )
+        if r[e] < max(state.radii[i], state.radii[j]):
+            raise _NotRight(f"grain {i} holds the centre of grain {j}: shorten the time step")
 
 
 def _packing(

@@ -79,7 +79,7 @@ def warn_if_coarse(network: ContactNetwork, stacklevel: int = 3) -> None:
         if seen.noise > FAR_BELOW * overlap:
             warnings.warn(
                 f"{name} are rounded ({seen.kind}): noise of {seen.noise:.1e} beside a mean "
-                f"overlap of {overlap:.1e}; expect errors of forces of order "
+                f"overlap of {overlap:.1e}, hence errors of forces of order "
                 f"{seen.noise / overlap:.1g}",
                 CoarseCoordinatesWarning,
                 stacklevel=stacklevel,

@@ -130,7 +130,8 @@ def test_bad_scene(arguments, message):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"time_step": 0.6}, "time_step = 0.6 exceeds"),
+        ({"time_step": 1.1}, "time_step = 1.1 exceeds"),
+        ({"dashpot": 20.0}, "dashpot = 20.0 with time_step = 0.2 is unstable"),
         ({"drag": 0.0}, "drag = 0.0"),
         ({"skin": -1.0}, "skin = -1.0"),
         ({"dashpot": -1.0}, "dashpot = -1.0"),

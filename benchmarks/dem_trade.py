@@ -1,0 +1,134 @@
+"""What each setting of the DEM costs and what it changes: one knob at a time, the rest default.
+
+Per packing: steps, processor seconds, largest force residual over p, noise-free error E of the
+reconstruction, Z, φ and the spread of the normal forces; or "refused", and why.  Statistics that
+leave the error bars of the default mean a wrong packing; what is refused cannot be one.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from concurrent.futures import Executor
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from dem import NotRelaxed, Scene, Settings, relax
+from paper_figs.style import MARKERS, plt
+from scaling import ContactNetwork, reconstruct, relative_error
+
+#: Inertial times after which a packing counts as not coming to rest (defaults need 10 to 80).
+LONGEST = 300.0
+KNOBS: dict[str, list[dict[str, Any]]] = {
+    "time_step": [{"time_step": v} for v in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5)],
+    "drag": [{"drag": v} for v in (0.1, 0.3, 1.0, 3.0, 10.0)],
+    "dashpot": [{"dashpot": v} for v in (0.0, 0.01, 0.1, 1.0)],
+    "velocity_tolerance": [{"velocity_tolerance": 10.0**-k} for k in range(1, 8)],
+    "unpolished": [{"velocity_tolerance": 10.0**-k, "polish": False} for k in range(2, 9)],
+    "skin": [{"skin": v} for v in (0.02, 0.05, 0.1, 0.2, 0.4)],
+    "backend": [{"backend": b} for b in ("numba", "numpy") if b == "numpy" or find_spec(b)],
+}
+TABLE = np.dtype([
+    ("knob", "U18"), ("value", "U8"), ("delta", float), ("seed", int), ("steps", int),
+    ("seconds", float), ("residual", float), ("error", float), ("Z", float), ("phi", float),
+    ("spread", float), ("rest", bool),
+])  # fmt: skip
+
+
+def measure(task: tuple[str, dict[str, Any], float, int, int]) -> tuple[Any, ...]:
+    """One row of the table; NaN where there is no packing."""
+    knob, change, delta, grains, seed = task
+    name = "velocity_tolerance" if knob == "unpolished" else knob
+    value = change[name]
+    label = value if isinstance(value, str) else f"{value:g}"
+    settings = Settings(**{"longest": LONGEST} | change)
+    relax(Scene(16, 0.1), 0, settings=Settings(backend=settings.backend), progress=False)
+    start = time.process_time()
+    try:
+        p = relax(Scene(grains, delta), seed, settings=settings, progress=False)
+    except (NotRelaxed, ValueError, FloatingPointError):
+        spent = time.process_time() - start
+        return (knob, label, delta, seed, -1, spent, *[np.nan] * 5, False)
+    spent = time.process_time() - start
+    found = reconstruct(ContactNetwork.from_packing(p), p.stiffness)
+    error = relative_error(found.forces, p.forces)
+    spread = p.normal_forces.std() / p.normal_forces.mean()
+    return (
+        knob, label, delta, seed, p.info["steps"], spent, p.info["residual"], error,
+        p.coordination, p.solid_fraction, spread, True,
+    )  # fmt: skip
+
+
+def compute(
+    executor: Executor, grains: int, deltas: Iterable[float], seeds: Iterable[int]
+) -> np.ndarray:
+    """All knobs, values, Δ and seeds."""
+    tasks = [
+        (knob, change, delta, grains, seed)
+        for knob, changes in KNOBS.items()
+        for change in changes
+        for delta in deltas
+        for seed in seeds
+    ]
+    return np.array(list(executor.map(measure, tasks)), TABLE)
+
+
+def text(table: np.ndarray) -> str:
+    """One line per setting: medians over seeds, Z and φ with their standard errors."""
+    lines = [
+        "| knob | value | Δ | rest | steps | s | residual/p | E | Z | φ |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for knob, value, delta in dict.fromkeys(
+        (r["knob"], r["value"], float(r["delta"])) for r in table
+    ):
+        mine = table[
+            (table["knob"] == knob) & (table["value"] == value) & (table["delta"] == delta)
+        ]
+        some = mine[mine["rest"]]
+        head = f"| {knob} | {value} | {delta:.0e} | {len(some)}/{len(mine)} "
+        if not len(some):
+            lines.append(f"{head}| refused | {np.median(mine['seconds']):.2f} | | | | |")
+            continue
+        root = np.sqrt(len(some))
+        lines.append(
+            f"{head}| {np.median(some['steps']):.0f} | {np.median(some['seconds']):.2f} "
+            f"| {some['residual'].max():.0e} | {some['error'].max():.0e} "
+            f"| {some['Z'].mean():.3f} ± {some['Z'].std() / root:.3f} "
+            f"| {some['phi'].mean():.4f} ± {some['phi'].std() / root:.4f} |"
+        )
+    return "\n".join(lines)
+
+
+def plot(table: np.ndarray) -> Figure:
+    """Steps against each knob, filled where all came to rest, crosses where some were refused."""
+    knobs = [k for k in KNOBS if k != "backend"]
+    figure, axes = plt.subplots(2, 3, figsize=(6.8, 4.0), layout="constrained")
+    for panel, knob in zip(axes.flat, knobs, strict=True):
+        for delta, marker in zip(np.unique(table["delta"])[::-1], MARKERS, strict=False):
+            mine = table[(table["knob"] == knob) & (table["delta"] == delta)]
+            values = list(dict.fromkeys(mine["value"]))
+            steps, full = [], []
+            for value in values:
+                some = mine[mine["value"] == value]
+                rest = some[some["rest"]]
+                steps.append(np.median(rest["steps"]) if len(rest) else np.nan)
+                full.append(len(rest) == len(some))
+            (line,) = panel.plot(
+                range(len(values)), steps, f"{marker}-", label=rf"$\Delta$ = {delta:.0e}"
+            )
+            bad = [k for k, ok in enumerate(full) if not ok]
+            level = np.nanmax(steps)
+            panel.plot(
+                bad, [steps[k] if np.isfinite(steps[k]) else level for k in bad], "x",
+                color=line.get_color(), markersize=8,
+            )  # fmt: skip
+            panel.set_xticks(range(len(values)), values, rotation=45 if len(values) > 6 else 0)
+        panel.set(yscale="log", xlabel=knob.replace("_", " "))
+    for panel in axes[:, 0]:
+        panel.set_ylabel("steps to rest (× refused)")
+    axes[0, 0].legend()
+    return figure
