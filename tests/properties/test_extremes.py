@@ -1,0 +1,197 @@
+"""The other end: few and many contacts, friction 0 to 10, monodisperse and very polydisperse,
+flat cells, and networks on the brink of losing rank: right, or refused.
+
+``target`` drives hypothesis towards the worst case; what it found is kept as an example.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import example, given, target
+from hypothesis import strategies as st
+
+from dem import NotRelaxed, Packing, Scene, Settings, relax
+from scaling import ContactNetwork, force_equation, reconstruct, relative_error
+from tests.properties.test_reconstruction import rounding
+from tests.scaling.networks import lattice, loaded
+
+EPS = np.finfo(float).eps
+
+
+REFUSALS = ("rank", "contacts", "winds")
+
+
+def right_or_refused(scene: Scene, seed: int) -> tuple[Packing | None, float]:
+    """The packing (None if relax says no), and the error of the reconstructed forces over its
+    bound, asserted to be at most 1 (0 if the equation is refused, for its rank or its faces)."""
+    try:
+        p = relax(scene, seed, progress=False)
+    except (NotRelaxed, ValueError):
+        return None, 0.0
+    assert p.residuals().max() <= 1e-9
+    network = ContactNetwork.from_packing(p)
+    try:
+        found = reconstruct(network, p.stiffness, frictional=p.friction > 0)
+    except ValueError as refusal:
+        if not any(word in str(refusal) for word in REFUSALS):
+            raise
+        return p, 0.0
+    error = np.abs(found.forces - p.forces).max() / p.pressure
+    worst = float(error / rounding(p))
+    assert worst <= 1
+    return p, worst
+
+
+@given(
+    grains=st.sampled_from([16, 17, 20, 33, 64]),
+    delta=st.sampled_from([0.2, 0.1, 1e-2, 1e-4]),
+    friction=st.sampled_from([0.0, 1e-3, 0.3, 1.0, 10.0]),
+    spread=st.sampled_from([0.0, 0.01, 0.3, 0.6]),
+    aspect=st.sampled_from([0.5, 1.0, 2.0]),
+    seed=st.integers(0, 50),
+)
+@example(16, 0.1, 0.3, 0.3, 1.0, 1)
+@example(64, 0.2, 10.0, 0.6, 2.0, 3)
+@example(64, 1e-4, 0.0, 0.6, 1.0, 2)
+@example(20, 1e-2, 1e-3, 0.0, 1.0, 0)
+def test_extreme_scenes_are_right_or_refused(grains, delta, friction, spread, aspect, seed):
+    scene = Scene(grains, delta, friction=friction, polydispersity=spread, aspect=aspect)
+    _, worst = right_or_refused(scene, seed)
+    target(worst, label="error over its bound")
+
+
+@pytest.mark.parametrize(
+    ("scene", "band"),
+    [
+        (Scene(64, 0.1), (4.3, 5.3)),
+        (Scene(64, 1e-4, friction=10.0), (2.9, 3.5)),
+        (Scene(64, 1e-4, friction=0.0, polydispersity=0.6), (3.7, 4.2)),
+        (Scene(100, 1e-3, polydispersity=0.6), (3.1, 3.9)),
+        (Scene(100, 1e-3, aspect=2.5), (3.1, 3.9)),
+    ],
+    ids=str,
+)
+def test_extreme_scenes_that_must_work(scene, band):
+    """None of these may hide behind a refusal; Z in the band isostaticity leaves."""
+    p, _ = right_or_refused(scene, 1)
+    assert p is not None
+    assert band[0] < p.coordination < band[1]
+
+
+def test_same_packing_compressed_by_steps_of_pressure():
+    """Δ from 1e-4 to 1e-1, each relaxed from scratch: Z and φ rise monotonically."""
+    ramp = [relax(Scene(64, d), 1, progress=False) for d in (1e-4, 1e-3, 1e-2, 1e-1)]
+    assert np.all(np.diff([p.coordination for p in ramp]) > 0)
+    assert np.all(np.diff([p.solid_fraction for p in ramp]) > -0.005)
+
+
+def forces_or_refusal(network: ContactNetwork) -> tuple[float, float]:
+    """Error over its bound 10 ε (L κ/σ_min + cond max|f|), and cond; (0, inf) if refused."""
+    truth = loaded(network)
+    equation = force_equation(truth.network)
+    try:
+        found = reconstruct(truth.network, truth.stiffness).forces
+    except (ValueError, RuntimeError) as refusal:
+        if "rank" not in str(refusal):
+            raise
+        return 0.0, np.inf
+    condition = equation.conditioning
+    size = np.ptp(truth.network.positions) + 1
+    scale = np.abs(truth.forces).max()
+    bound = size * truth.stiffness / condition.smallest + scale * condition.condition
+    bound *= 10 * EPS
+    return float(np.abs(found - truth.forces).max() / bound), float(condition.condition)
+
+
+@given(height=st.floats(-9, -0.3).map(lambda e: 10.0**e), squeeze=st.floats(1e-6, 1e-2))
+@example(1e-9, 1e-3)
+@example(1e-5, 1e-6)
+def test_thin_triangles(height, squeeze):
+    """Three disks, the middle one almost on the line of the others: directions become parallel."""
+    x = np.array([[0.0, 0.0], [1.0, height], [2.0, 0.0]]) * (1 - squeeze)
+    pairs = [(0, 1), (0, 2), (1, 2)]
+    radii = np.array([1.0, np.hypot(1.0, height) - 1.0 + 1e-3, 1.0])
+    worst, condition = forces_or_refusal(ContactNetwork(x, np.maximum(radii, 1e-3), pairs))
+    target(worst, label="error over its bound")
+    target(float(np.log10(min(condition, 1e18))), label="condition")
+    assert worst <= 1
+
+
+@given(angle=st.floats(-9, -0.1).map(lambda e: 10.0**e), squeeze=st.floats(1e-6, 1e-2))
+@example(1e-8, 1e-3)
+@example(1e-3, 1e-6)
+def test_flat_rhombi(angle, squeeze):
+    """Four disks in a rhombus of a small angle, without diagonal: the loop rows nearly align."""
+    a = (1 - squeeze) * np.array([1.0, 0.0])
+    b = (1 - squeeze) * np.array([np.cos(angle), np.sin(angle)])
+    x = np.array([0 * a, a, a + b, b])
+    pairs = [(0, 1), (1, 2), (2, 3), (0, 3)]
+    worst, condition = forces_or_refusal(ContactNetwork(x, np.full(4, 0.5), pairs))
+    target(worst, label="error over its bound")
+    target(float(np.log10(min(condition, 1e18))), label="condition")
+    assert worst <= 1
+
+
+@given(length=st.integers(1, 12), bend=st.floats(-10, 0).map(lambda e: 10.0**e))
+@example(12, 1e-10)
+def test_bridges(length, bend):
+    """Two triangles joined by a chain: a bridge lies in no loop, balance alone fixes its force."""
+    h = np.sqrt(3) / 2
+    left = [[-1.0, 0.5], [-1.0, -0.5], [-1.0 + h, 0.0]]
+    chain = [[-1.0 + h + k, bend * (k % 2)] for k in range(1, length)]
+    right = [[-1.0 + h + length, 0.0]]
+    right += [[-1.0 + 2 * h + length, s] for s in (-0.5, 0.5)]
+    x = np.array(left + chain + right) * (1 - 1e-3)
+    n = len(x)
+    pairs = [(0, 1), (0, 2), (1, 2)]
+    pairs += [(k, k + 1) for k in range(2, n - 3)]
+    pairs += [(n - 3, n - 2), (n - 3, n - 1), (n - 2, n - 1)]
+    worst, _ = forces_or_refusal(ContactNetwork(x, np.full(n, 0.5), pairs))
+    target(worst, label="error over its bound")
+    assert worst <= 1
+
+
+@given(
+    kind=st.sampled_from(["triangular", "square", "honeycomb"]),
+    disorder=st.floats(-14, -1).map(lambda e: 10.0**e),
+    seed=st.integers(0, 99),
+)
+@example("square", 1e-9, 0)
+@example("triangular", 1e-12, 1)
+def test_nearly_perfect_lattices(kind, disorder, seed):
+    """Three null vectors at disorder 0: refused there, and as accurate as the condition allows
+    once disorder lifts them (condition ~ 1/disorder)."""
+    perfect = lattice(kind, 4)
+    shift = disorder * np.random.default_rng(seed).standard_normal(perfect.positions.shape)
+    network = ContactNetwork(
+        perfect.positions + shift, perfect.radii * 1.001, perfect.pairs,
+        cell=perfect.cell, images=perfect.images,
+    )  # fmt: skip
+    worst, condition = forces_or_refusal(network)
+    target(worst, label="error over its bound")
+    assert worst <= 1
+    assert condition > 0.1 / disorder or disorder > 1e-2
+
+
+def test_monodisperse_crystals_are_refused_or_right():
+    """N = 16 ... 64 disks of one size, little friction: lattices and nearly so."""
+    refused = 0
+    for seed in range(6):
+        p, _ = right_or_refused(Scene(36, 1e-2, friction=0.01, polydispersity=0.0), seed)
+        if p is None:
+            continue
+        try:
+            found = reconstruct(ContactNetwork.from_packing(p), p.stiffness)
+        except ValueError:
+            refused += 1
+            continue
+        assert relative_error(found.forces, p.forces) < 1e-6
+    assert refused <= 6
+
+
+def test_smallest_packings_of_the_dem():
+    """N = 16 is the smallest that a cell two ranges wide holds comfortably; N = 3 is refused."""
+    assert right_or_refused(Scene(16, 1e-3), 1)[0] is not None
+    with pytest.raises(ValueError, match="take more grains"):
+        relax(Scene(3, 1e-3), 1, settings=Settings(), progress=False)
