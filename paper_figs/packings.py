@@ -55,3 +55,13 @@ def prepare(edition: Edition, workers: int | None = None) -> list[Packing]:
             store=ROOT / "build" / "packings",
             settings=Settings(backend=edition.backend),
         )
+
+
+def one(edition: Edition, delta: float, seed: int, friction: float = 0.3) -> Packing:
+    """A single packing of the size of an edition, from the same store."""
+    return relax_ensemble(
+        [Scene(edition.grains, delta, friction=friction)],
+        [seed],
+        store=ROOT / "build" / "packings",
+        settings=Settings(backend=edition.backend),
+    )[0]

@@ -6,9 +6,14 @@ Knows no simulation: networks are plain arrays, from anybody's packing. The sign
 drawn in `scaling.network`.
 """
 
+from scaling.bound import cramer_rao
+from scaling.bounded import flat_guess
+from scaling.calibration import rescaled, rounded, stiffness_response
 from scaling.data_collapse import collapse
+from scaling.detection import infer_contacts
 from scaling.equation import ForceEquation, force_equation
 from scaling.error import mean_force, relative_error
+from scaling.error_theory import ErrorMap, error_map
 from scaling.least_squares import Conditioning
 from scaling.loops import Loops
 from scaling.network import ContactNetwork
@@ -16,23 +21,34 @@ from scaling.noise import perturb
 from scaling.propagation import amplification, amplification_of, gain
 from scaling.reconstruction import Reconstruction, reconstruct
 from scaling.resolution import CoarseCoordinatesWarning
+from scaling.tiling import tiled, tiled_forces
 from scaling.virial import stress
 
 __all__ = [
     "CoarseCoordinatesWarning",
     "Conditioning",
     "ContactNetwork",
+    "ErrorMap",
     "ForceEquation",
     "Loops",
     "Reconstruction",
     "amplification",
     "amplification_of",
     "collapse",
+    "cramer_rao",
+    "error_map",
+    "flat_guess",
     "force_equation",
     "gain",
+    "infer_contacts",
     "mean_force",
     "perturb",
     "reconstruct",
     "relative_error",
+    "rescaled",
+    "rounded",
+    "stiffness_response",
     "stress",
+    "tiled",
+    "tiled_forces",
 ]

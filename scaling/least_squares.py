@@ -115,6 +115,10 @@ class LeastSquares:
         self._refuse_deficient(self.unknowns - self._null_dimension)
         return self._refine(b)
 
+    def require_full_rank(self) -> None:
+        """ValueError, with the rank, if a solution would not be unique."""
+        self._refuse_deficient(self.unknowns - self._null_dimension)
+
     @cached_property
     def conditioning(self) -> Conditioning:
         """Exact up to 1000 unknowns, beyond that an estimate labelled so."""
@@ -239,9 +243,12 @@ class LeastSquares:
         Of G v, v random, it finds v again except for the part of v in the null space.
         """
         v = np.random.default_rng(0).standard_normal(self.unknowns)
-        lost = v - self._lsmr(self.matrix @ v, 1e-10)
         # |lost|² is close to the null-space dimension, |lost| < 1e-2 has probability < 0.01.
-        return self._null_dimension if np.linalg.norm(lost) > 1e-2 else 0
+        # A loose tolerance clears most matrices; one that it does not clear is looked at again.
+        for tol in (1e-7, 1e-10):
+            if np.linalg.norm(v - self._lsmr(self.matrix @ v, tol)) <= 1e-2:
+                return 0
+        return self._null_dimension
 
     # --- refusal --------------------------------------------------------------------------
 

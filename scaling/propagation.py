@@ -27,9 +27,9 @@ from scaling import checks
 from scaling.checks import Floats
 from scaling.equation import ForceEquation, force_equation
 from scaling.error import mean_force
+from scaling.error_theory import LINEAR, error_map
 from scaling.network import ContactNetwork
 from scaling.noise import balance_response, check_noise, distance_response, size_response
-from scaling.reconstruction import METHODS
 
 _BLOCK = 256  # noise sources per solve: bounds the memory to 2c × 256 numbers
 
@@ -48,7 +48,8 @@ def gain(
 
     Parameters
     ----------
-    method : "gppsz", "direct" or "transverse"; the last uses no sizes: 0 for size noise
+    method : "gppsz", "direct", "transverse" (uses no sizes: 0 for size noise), "balanced" or
+        "optimal"
     noise : "diameter", "radius", "relative" or "position"
     frictional : False: c normal forces, no torques
     winding : with the windings among the loops (gppsz only)
@@ -59,8 +60,8 @@ def gain(
     ValueError: bad input, an argument not used, or an equation without a unique solution.
     """
     check_noise(noise)
-    if method not in METHODS:
-        raise ValueError(f"method {method!r} is unknown; there are {', '.join(METHODS)}")
+    if method not in LINEAR:
+        raise ValueError(f"method {method!r} is unknown; linear ones are {', '.join(LINEAR)}")
     if winding and method != "gppsz":
         raise ValueError(f"method {method!r} does not use winding")
     if noise != "position" and (forces is not None or stiffness is not None):
@@ -73,6 +74,10 @@ def gain(
         raise ValueError("method 'transverse' finds tangential forces: frictional=False has none")
     if method == "transverse" and noise == "position" and forces is None:
         raise ValueError("method 'transverse' feels position noise through δM f: give forces")
+    if method in ("balanced", "optimal"):
+        return error_map(
+            network, method, noise, frictional=frictional, forces=forces, stiffness=stiffness
+        ).gain
     equation = force_equation(network, frictional, winding)
     f = None
     if forces is not None:

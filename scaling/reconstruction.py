@@ -1,8 +1,11 @@
-"""Contact forces from a contact network, by three methods.
+"""Contact forces from a contact network, by six methods.
 
     gppsz       min |G f - ( -|F_ext⟩ ; κ (Q|σ⟩ - Λ) )| over f      (sizes and directions)
     direct      f_n = κ (σ - r), then f_t from equilibrium          (sizes and distances)
     transverse  f_n given, f_t from equilibrium                     (directions, normal forces)
+    balanced    min |Q f_n - κ (Q|σ⟩ - Λ)|, equilibrium exact       (see `scaling.balanced`)
+    optimal     generalised least squares, equilibrium exact        (see `scaling.optimal`)
+    bounded     as optimal, with f_n >= 0, |f_t| <= μ f_n, a prior   (see `scaling.bounded`)
 
 f_t from equilibrium: min |M_t f_t + F_ext + M_n f_n|, with M = [M_n, M_t]. That it is unique in
 disordered packings with Z < 6 makes the transverse force law redundant, GPPSZ's claim (i);
@@ -19,14 +22,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaling import checks
+from scaling.balanced import balanced_forces
+from scaling.bounded import bounded_forces, posterior
 from scaling.checks import Floats, frozen
 from scaling.equation import ForceEquation, force_equation
+from scaling.optimal import optimal_forces
+from scaling.sources import sources
 
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork
 
-METHODS = ("gppsz", "direct", "transverse")
-PLANNED = ("balanced", "optimal", "bounded")
+METHODS = ("gppsz", "direct", "transverse", "balanced", "optimal", "bounded")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +46,10 @@ class Reconstruction:
     residual : root mean square over the rows of the equation that was solved, a force. 0 for
         exact data. For `direct` without friction nothing is solved: the force imbalance.
     method, solver : as used; solver "none" if no equation was solved
-    diagnostics : rows, unknowns, hyperstaticity, and negative, the number of contacts with f_n < 0
+    diagnostics : rows, unknowns, hyperstaticity, and negative, the number with f_n < 0.
+        `optimal` adds noise, the most probable η (k,), steps, and scale = κ ξ: times
+        `scaling.cramer_rao(...)` of the same arguments it is the error of the forces.
+        `bounded` adds noise, and status, iterations and tolerance of the convex solver
     """
 
     normal: Floats
@@ -73,31 +82,40 @@ def reconstruct(
     Parameters
     ----------
     stiffness : κ > 0, force per length, f_n = κ (σ - r). `transverse` accepts None.
-    method : "gppsz", "direct" or "transverse"
+    method : "gppsz", "direct", "transverse", "balanced", "optimal" or "bounded"
     frictional : False: no tangential forces, no torques
     solver, tol : see `scaling.least_squares`; tol for solver="lsmr" only
     normal_forces : (c,), for `transverse`
-    xi, noise, covariance, data, friction, pressure : for methods to come
+    xi, noise, covariance : for `optimal` and `bounded`, the noise of the data: see
+        `scaling.sources`; one of xi and covariance is needed. xi = inf, for `bounded`: sizes and
+        distances are not known at all
+    data : for `optimal` and `bounded`, "all" or "sizes" (no distances, directions exact)
+    friction, pressure : for `bounded`: μ, and in a periodic cell p
 
     ValueError: bad input, an argument that the method ignores, or an equation without a
     unique solution, with its rank.
     """
-    if method in PLANNED:
-        raise ValueError(f"method {method!r} is not built yet; there are {', '.join(METHODS)}")
     if method not in METHODS:
         raise ValueError(f"method {method!r} is unknown; there are {', '.join(METHODS)}")
+    weighs, equation_only = method in ("optimal", "bounded"), method in ("gppsz", "direct")
     given = {
-        "xi": xi is not None,
-        "noise": noise != "diameter",
-        "covariance": covariance is not None,
-        "data": data != "all",
-        "friction": friction is not None,
-        "pressure": pressure is not None,
+        "xi": xi is not None and not weighs,
+        "noise": noise != "diameter" and not weighs,
+        "covariance": covariance is not None and not weighs,
+        "data": data != "all" and not weighs,
+        "friction": friction is not None and method != "bounded",
+        "pressure": pressure is not None and method != "bounded",
         "normal_forces": normal_forces is not None and method != "transverse",
+        "solver": solver != "auto" and not (equation_only or method == "transverse"),
+        "tol": tol is not None and not (equation_only or method == "transverse"),
     }
     for name, is_given in given.items():
         if is_given:
             raise ValueError(f"method {method!r} does not use {name}")
+    if weighs and xi is None and covariance is None:
+        raise ValueError(f"method {method!r} needs the strength of the noise: xi, or covariance")
+    if data not in ("all", "sizes"):
+        raise ValueError(f"data {data!r}: choose 'all' or 'sizes'")
     if stiffness is None:
         if method != "transverse":
             raise ValueError(f"method {method!r} needs the stiffness")
@@ -107,6 +125,26 @@ def reconstruct(
     equation = force_equation(network, frictional)
     if method == "gppsz":
         return _gppsz(equation, stiffness, solver, tol)
+    if method == "balanced":
+        f, residual = balanced_forces(equation, stiffness)
+        return _result(equation, f, residual, method, "factor")
+    if method == "optimal":
+        source = sources(network, noise, covariance, xi)
+        f, y, steps = optimal_forces(equation, stiffness, source, data)
+        more = {"noise": y / source.xi, "steps": steps, "scale": stiffness * source.xi}
+        return _result(equation, f, _imbalance(equation, f), method, "factor", more)
+    if method == "bounded":
+        if friction is None:
+            raise ValueError("method 'bounded' needs the friction coefficient")
+        unknown = xi is not None and np.isinf(xi) and xi > 0 and covariance is None
+        weak = None if unknown else sources(network, noise, covariance, xi)
+        problem = posterior(
+            network, stiffness, friction, weak,
+            pressure=pressure, data=data, frictional=frictional,
+        )  # fmt: skip
+        f, y, more = bounded_forces(problem)
+        more["noise"] = y
+        return _result(equation, f, _imbalance(equation, f), method, "clarabel", more)
     if method == "direct":
         fn = stiffness * network.overlaps
         if not frictional:
@@ -142,8 +180,17 @@ def _transverse(
     return _result(equation, np.concatenate([fn, ft]), residual, method, used)
 
 
+def _imbalance(equation: ForceEquation, forces: Floats) -> Floats:
+    return equation.M @ forces - equation.balance_rhs()
+
+
 def _result(
-    equation: ForceEquation, forces: Floats, residual: Floats, method: str, solver: str
+    equation: ForceEquation,
+    forces: Floats,
+    residual: Floats,
+    method: str,
+    solver: str,
+    more: Mapping[str, Any] | None = None,
 ) -> Reconstruction:
     c = equation.network.contacts
     normal = forces[:c]
@@ -152,6 +199,7 @@ def _result(
         "unknowns": equation.unknowns,
         "hyperstaticity": equation.hyperstaticity,
         "negative": int((normal < 0).sum()),
+        **(more or {}),
     }
     tangential = forces[c:] if equation.frictional else np.zeros(c)
     rms = float(np.sqrt(np.mean(residual**2)))

@@ -134,7 +134,7 @@ def test_blocks_of_sources_add_up(monkeypatch):
 
 
 BAD = [
-    ({"method": "balanced"}, "'balanced' is unknown"),
+    ({"method": "bounded"}, "'bounded' is unknown"),
     ({"noise": "size"}, "noise 'size' is unknown"),
     ({"forces": np.ones(6)}, "diameter noise leaves G alone: forces and stiffness are not used"),
     ({"noise": "position", "stiffness": 2.0}, "stiffness is not used without forces"),

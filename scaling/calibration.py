@@ -1,0 +1,86 @@
+"""Errors that are not independent noise: a wrong scale, rounding, a wrong or spread stiffness.
+
+    common mode    R → (1 + ε) R       Q|σ⟩ → (1 + ε) Q|σ⟩, so gppsz errs by ε only;
+                                       overlaps change by ε σ, so `direct` errs by ~ε/Δ
+    pixel scale    x → (1 + ε) x       the same with the opposite sign: a matter of r, not σ
+    rounding       to k digits         noise of standard deviation 10⁻ᵏ/√12 per number
+    stiffness      κ → (1 + ε) κ       without external loads f → (1 + ε) f
+    spread κ_e     κ_e = κ (1 + s ζ_e) f_n/κ in the closure errs by s ζ f_n/κ, itself O(Δ), so
+                                       δf = -s G⁺(0 ; Q f_n ζ) ~ s f whatever Δ
+
+Only what does not scale with the forces, an absolute error of lengths, is divided by Δ.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scaling import checks
+from scaling.checks import Floats
+from scaling.equation import force_equation
+from scaling.network import ContactNetwork
+
+
+def rescaled(
+    network: ContactNetwork, radii: float = 0.0, positions: float = 0.0
+) -> ContactNetwork:
+    """`network` with all radii off by a factor 1 + `radii`, all positions by 1 + `positions`.
+
+    The cell and the torques over radii are measured on the same scales as positions and radii.
+    """
+    if min(radii, positions) <= -1:
+        raise ValueError(f"scale error {min(radii, positions)}: it must be above -1")
+    external = network.external.copy()
+    external[:, 2] *= 1 + radii
+    if positions and network.positions is None:
+        raise ValueError("positions cannot be rescaled: this network has directions only")
+    new = ContactNetwork(
+        None if network.positions is None else (1 + positions) * network.positions,
+        (1 + radii) * network.radii,
+        network.pairs,
+        cell=None if network.cell is None else (1 + positions) * network.cell,
+        images=network.images,
+        external=external,
+        normals=network.normals if network._directions_measured else None,
+    )
+    new._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
+    return new
+
+
+def rounded(
+    network: ContactNetwork, digits: int, *, radii: bool = True, positions: bool = True
+) -> ContactNetwork:
+    """`network` with radii and positions rounded to `digits` decimals of ⟨σ⟩; same contacts.
+
+    ValueError: a radius that is rounded to zero.
+    """
+    unit = network.mean_diameter * 10.0 ** -int(digits)
+    R = np.round(network.radii / unit) * unit if radii else network.radii
+    x = network.positions
+    if positions:
+        if x is None:
+            raise ValueError("positions cannot be rounded: this network has directions only")
+        x = np.round(x / unit) * unit
+    if not positions:
+        return network.with_sizes(R)
+    new = ContactNetwork(
+        x, R, network.pairs, cell=network.cell, images=network.images, external=network.external
+    )
+    new._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
+    return new
+
+
+def stiffness_response(
+    network: ContactNetwork, forces: ArrayLike, spread: ArrayLike, frictional: bool = True
+) -> Floats:
+    """(2c,) error δf of gppsz when contact e has stiffness κ (1 + spread_e) and κ is assumed.
+
+    First order in `spread` (c,); `forces` are the true ones. Closure holds with f_n/κ_e, so
+    with one κ the loop sums are off by Q (f_n spread): proportional to the forces, not to 1/Δ.
+    """
+    equation = force_equation(network, frictional)
+    f = checks.finite("force", "component", forces, (equation.unknowns,))
+    ζ = checks.finite("spread", "contact", spread, (network.contacts,))
+    off = equation.Q @ (f[: network.contacts] * ζ)
+    return equation.matrices.system.solve(np.concatenate([np.zeros(equation.M.shape[0]), -off]))

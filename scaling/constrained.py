@@ -1,0 +1,102 @@
+"""Least squares with equality constraints, sparse: min |A u - a| subject to B u = b.
+
+Method of multipliers on the residuals, with one factorisation of H = AᵀA + w BᵀB:
+
+    H d = Aᵀ(a - A u) - Bᵀλ + w Bᵀ(b - B u) ,    u ← u + d ,    λ ← λ + w (B u - b)
+
+A step shrinks the violation in a direction where B has the singular value s (relative to A) by
+1/(1 + w s²), so with w = 1e8 three or four reach rounding. It is indifferent to redundant rows
+of B, as the balance of the whole among the balances of all grains, and where B u = b has no
+solution (more conditions than unknowns, met up to rounding) it converges to the least
+violation: the limit of noise in b that is far below all other noise.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import splu
+
+from scaling.checks import Floats
+
+if TYPE_CHECKING:
+    from scaling.network import ContactNetwork
+
+WEIGHT = 1e8
+_MOST_STEPS = 60
+
+
+class ConstrainedLeastSquares:
+    """min |A u - a| subject to B u = b, prepared once for any number of right-hand sides.
+
+    A and B should have entries of order 1, and null spaces that meet in 0 only.
+    """
+
+    def __init__(self, A: csr_array, B: csr_array, name: str) -> None:
+        self.A, self.B, self.name = csr_array(A), csr_array(B), name
+
+    def __getstate__(self) -> dict[str, Any]:
+        # SuperLU objects cannot be pickled; a copy factorises anew.
+        return {k: v for k, v in self.__dict__.items() if k != "_factor"}
+
+    @cached_property
+    def _factor(self) -> Any:
+        H = csc_array(self.A.T @ self.A + WEIGHT * (self.B.T @ self.B))
+        return splu(
+            H,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+
+    def solve(self, a: Floats, b: Floats) -> Floats:
+        """u, (n,) for a (p,) and b (m,), or (n, k) for (p, k) and (m, k).
+
+        RuntimeError if the corrections do not die out.
+        """
+        A, B = self.A, self.B
+        u = np.zeros((A.shape[1], *a.shape[1:]))
+        λ = np.zeros_like(b)
+        previous, given = np.inf, float(np.linalg.norm(a) + np.linalg.norm(b))
+        for _ in range(_MOST_STEPS):
+            d = self._factor.solve(A.T @ (a - A @ u) - B.T @ λ + WEIGHT * (B.T @ (b - B @ u)))
+            u = u + d
+            λ = λ + WEIGHT * (B @ u - b)
+            size, scale = float(np.linalg.norm(d)), float(np.linalg.norm(u)) + given
+            # Done when the correction is rounding, or no longer shrinks because it is.
+            if size <= 4e-16 * scale or (size <= 1e-9 * scale and size > 0.5 * previous):
+                return u
+            previous = size
+        raise RuntimeError(
+            f"{self.name}: corrections are still {size / scale:.1e} after {_MOST_STEPS} steps, "
+            "the constraints are nearly dependent"
+        )
+
+
+def global_moments(network: ContactNetwork) -> csr_array:
+    """(3N, open components): the rows of M combined to the moment of a whole component.
+
+    Internal forces balance in it up to O(Δ) only (lever arms R_i at contacts that overlap):
+    enforced on noisy directions it would amplify their noise by 1/Δ, so estimators leave it
+    free. None for what winds a periodic cell, and none if only directions are known.
+    """
+    active, forest = network.active, network.forest
+    none = csr_array((3 * len(active), 0))
+    if network.positions is None:
+        return none
+    component = forest.component[active]
+    labels = np.unique(component)
+    labels = labels[forest.winding_rank[labels] == 0]
+    x = network.positions[active]
+    if network.cell is not None:
+        x = x + forest.shift[active] @ network.cell
+    columns = []
+    for label in labels:
+        mine = component == label
+        y = np.where(mine[:, None], x - x[mine].mean(axis=0), 0.0)
+        v = np.concatenate([-y[:, 1], y[:, 0], np.where(mine, network.radii[active], 0.0)])
+        columns.append(v / np.linalg.norm(v))
+    return csr_array(np.column_stack(columns)) if columns else none

@@ -1,0 +1,232 @@
+"""The full linear error map of an estimator: δf = κ ξ E η, E of (2c, k).
+
+With B, D of `scaling.sources` (D per κ) and G, M, Q of the equation, at the noise-free solution
+
+    gppsz       E = G⁺( -D ; Q B )
+    balanced    E = the constrained solve of the same two data
+    direct      E = ( B ; -M_t⁺(D + M_n B) )
+    transverse  E = ( 0 ; -M_t⁺ D )
+    optimal     E = ( B (1 - P) ; T ) ,  ( P ; T ) the constrained solve of C = M_n B + D
+
+From it follow, for Gaussian noise, exactly: the rms gain K = ‖E‖_F/√(2c), the error of every
+contact (row norms), the pattern of noise that hurts most (first right singular vector) and
+the distribution of the squared error, Σ s² χ²₁ over the singular values s. Where E is
+too large, ‖E‖_F² is the mean of |E z|² over random z, with an error bar.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import eigh
+from scipy.sparse import csr_array
+
+from scaling import balanced, checks, optimal
+from scaling.checks import Floats
+from scaling.equation import ForceEquation, force_equation
+from scaling.network import ContactNetwork
+from scaling.sources import Sources, sources
+
+LINEAR = ("gppsz", "direct", "transverse", "balanced", "optimal")
+_BLOCK = 256
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorMap:
+    """E of one estimator on one network. Made by `error_map`.
+
+    Attributes
+    ----------
+    respond : (k, m) noise η -> (2c, m) errors δf/(κ ξ), lengths; (c, m) if frictionless
+    sources, contacts : k and c
+    """
+
+    respond: Callable[[Floats], Floats]
+    sources: int
+    contacts: int
+    unknowns: int
+
+    @cached_property
+    def matrix(self) -> Floats:
+        """E itself, (2c, k) dense."""
+        E = np.empty((self.unknowns, self.sources))
+        for start in range(0, self.sources, _BLOCK):
+            stop = min(start + _BLOCK, self.sources)
+            η = np.zeros((self.sources, stop - start))
+            η[np.arange(start, stop), np.arange(stop - start)] = 1.0
+            E[:, start:stop] = self.respond(η)
+        return E
+
+    @property
+    def gain(self) -> float:
+        """K, a length: E_rms = K κ ξ/⟨|f|⟩."""
+        return float(np.sqrt(np.sum(self.matrix**2) / self.unknowns))
+
+    @property
+    def covariance(self) -> Floats:
+        """(2c, 2c): times (κ ξ)², the covariance of the forces."""
+        return self.matrix @ self.matrix.T
+
+    @property
+    def per_component(self) -> Floats:
+        """(2c,) standard deviation of f_n then f_t, over κ ξ."""
+        return np.sqrt(np.sum(self.matrix**2, axis=1))
+
+    @property
+    def per_contact(self) -> Floats:
+        """(c,) √(δf_n² + δf_t²), over κ ξ."""
+        return np.sqrt(np.sum(self.per_component.reshape(-1, self.contacts) ** 2, axis=0))
+
+    @cached_property
+    def _modes(self) -> tuple[Floats, Floats]:
+        λ, V = eigh(self.matrix.T @ self.matrix)
+        return np.sqrt(np.maximum(λ[::-1], 0.0)), V[:, ::-1]
+
+    @property
+    def singular_values(self) -> Floats:
+        """(k,) lengths, falling."""
+        return self._modes[0]
+
+    def worst_pattern(self) -> tuple[float, Floats, Floats]:
+        """(s, η, δf): the unit noise pattern with the largest response |δf| = s (per κ ξ)."""
+        s, V = self._modes
+        η = V[:, 0] * np.sign(V[np.argmax(abs(V[:, 0])), 0])
+        return float(s[0]), η, self.matrix @ η
+
+    def sample(self, rng: np.random.Generator, draws: int) -> Floats:
+        """(draws,) of rms(δf)/(κ ξ) over noise, from the singular values: no solve at all."""
+        s = self.singular_values
+        return np.sqrt(rng.chisquare(1.0, (draws, len(s))) @ s**2 / self.unknowns)
+
+    def relative_spread(self) -> float:
+        """Standard deviation of the squared error over its mean, √(2 Σ s⁴)/Σ s²."""
+        s = self.singular_values
+        return float(np.sqrt(2 * np.sum(s**4)) / np.sum(s**2))
+
+    def estimated_gain(self, rng: np.random.Generator, probes: int) -> tuple[float, float]:
+        """(K, its standard error) from random probes instead of the whole of E; for large N.
+
+        |E z|²/(2c), z = ±1, has the mean K² whatever E; its scatter over probes gives the bar.
+        """
+        if probes < 2:
+            raise ValueError(f"probes = {probes}: an error bar needs two")
+        squares = np.array(
+            [
+                np.sum(self.respond(rng.choice([-1.0, 1.0], (self.sources, 1))) ** 2)
+                for _ in range(probes)
+            ]
+        )
+        squares /= self.unknowns
+        K = float(np.sqrt(squares.mean()))
+        return K, float(squares.std(ddof=1) / np.sqrt(probes) / (2 * K))
+
+
+def error_map(
+    network: ContactNetwork,
+    method: str = "gppsz",
+    noise: str = "diameter",
+    *,
+    covariance: Any = None,
+    data: str = "all",
+    frictional: bool = True,
+    forces: ArrayLike | None = None,
+    stiffness: float | None = None,
+    solver: str = "auto",
+    tol: float | None = None,
+) -> ErrorMap:
+    """The error map of `method` at the noise-free `network`.
+
+    Parameters
+    ----------
+    method : "gppsz", "direct", "transverse", "balanced" or "optimal"
+    noise, covariance : see `scaling.sources`; with a covariance, ξ = 1
+    data : for `optimal`: "all", or "sizes" (with exact directions)
+    forces : (2c,) or (c,), if positions are noisy: adds the turning of directions in M. Without
+        them directions count as exact in M
+    stiffness : κ of these forces; by default the slope of f_n against the overlaps
+    solver, tol : for `gppsz`: see `scaling.least_squares`
+
+    ValueError: bad input, an argument not used, or an equation without a unique solution.
+    """
+    if method not in LINEAR:
+        raise ValueError(f"method {method!r} has no linear error map; there are {LINEAR}")
+    if data != "all" and (method != "optimal" or data != "sizes"):
+        raise ValueError(f"method {method!r} does not use data={data!r}")
+    if method == "transverse" and not frictional:
+        raise ValueError("method 'transverse' finds tangential forces: frictional=False has none")
+    if method != "gppsz" and (solver != "auto" or tol is not None):
+        raise ValueError(f"method {method!r} does not use solver and tol")
+    equation = force_equation(network, frictional)
+    source = sources(network, noise, covariance)
+    if not source.moves and (forces is not None or stiffness is not None):
+        raise ValueError("size noise leaves G alone: forces and stiffness are not used")
+    φ = np.zeros(equation.unknowns)
+    if forces is not None:
+        f = checks.finite("force", "component", forces, (equation.unknowns,))
+        φ = f / (_slope(network, f) if stiffness is None else stiffness)
+    elif stiffness is not None:
+        raise ValueError("stiffness is not used without forces")
+    B, D = source.overlaps(network), source.balance(network, φ)
+    respond = _response(equation, method, source, B, D, φ, data, solver, tol)
+    return ErrorMap(respond, source.count, network.contacts, equation.unknowns)
+
+
+def _response(
+    equation: ForceEquation,
+    method: str,
+    source: Sources,
+    B: csr_array,
+    D: csr_array,
+    φ: Floats,
+    data: str,
+    solver: str,
+    tol: float | None,
+) -> Callable[[Floats], Floats]:
+    matrices, k, n = equation.matrices, source.count, equation.unknowns
+    Q = matrices.Q if method in ("gppsz", "balanced") or data == "sizes" else None
+    if method == "gppsz":
+        return lambda η: matrices.system.solve(
+            np.concatenate([-(D @ η), Q @ (B @ η)]), solver, tol
+        )
+    if method == "balanced":
+        problem = balanced.solver(equation)
+        return lambda η: problem.solve(Q @ (B @ η), -(D @ η))[:n]
+    if method in ("direct", "transverse"):
+        share = 1.0 if method == "direct" else 0.0
+
+        def direct(η: Floats) -> Floats:
+            δ = share * (B @ η)
+            if not equation.frictional:
+                return δ
+            return np.concatenate([δ, matrices.transverse.solve(-(D @ η) - matrices.M_normal @ δ)])
+
+        return direct
+    if data == "sizes":
+        of_sizes = optimal.size_problem(equation, source)
+        rows = equation.M.shape[0]
+
+        def sizes(η: Floats) -> Floats:
+            b = np.concatenate([np.zeros((rows, *η.shape[1:])), Q @ (B @ η)])
+            return of_sizes.solve(np.zeros_like(η), b)[k : k + n]
+
+        return sizes
+    of_all, _, C = optimal.geometric_problem(equation, source, φ)
+
+    def all_data(η: Floats) -> Floats:
+        u = of_all.solve(np.zeros_like(η), C @ η)
+        return np.concatenate([B @ (η - u[:k]), u[k : k + n - len(B.indptr) + 1]])
+
+    return all_data
+
+
+def _slope(network: ContactNetwork, forces: Floats) -> float:
+    δ, fn = network.overlaps, forces[: network.contacts]
+    κ = float(fn @ δ / (δ @ δ)) if δ.any() else np.nan
+    if not κ > 0:
+        raise ValueError(f"forces and overlaps give the stiffness {κ}: give it as stiffness")
+    return κ

@@ -1,0 +1,115 @@
+"""The best linear unbiased estimate from all geometric data, balance exact.
+
+The data are the truth plus noise, R̃ = R + L_R y, x̃ = x + L_x y, y = ξ η. Find the y that is
+most probable among those that leave a packing in equilibrium:
+
+    min |y|²   subject to   M|f⟩ = -|F_ext⟩ ,  f_n = κ (σ - r)   at  R̃ - L_R y, x̃ - L_x y
+
+With B and D of `scaling.sources` one step of Gauss and Newton is, in lengths φ = f/κ,
+
+    [ C  -M_t ] (y ; φ_t) = F_ext/κ + M_n δ + C y₀ ,      C = M_n B + D(φ) ,   δ = σ - r
+
+linear for size noise; for position noise it is repeated at the new y (each correction is
+smaller by ~ξ). Exact positions and noisy sizes are the singular limit: below Z = 4 - 4/N the
+3N - 2 balances determine all N sizes and c transverse forces, and the sizes measured are
+redundant. That too is what `scaling.constrained` solves.
+
+data="sizes" knows no distances. Then the unknowns are y and f, the conditions balance and
+closure, Q f_n + κ Q B y = κ (Q|σ̃⟩ - Λ). Directions are exact in it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import csr_array, eye_array, hstack, vstack
+
+from scaling.checks import Floats
+from scaling.constrained import ConstrainedLeastSquares, global_moments
+from scaling.equation import ForceEquation, force_equation
+from scaling.sources import Sources
+
+if TYPE_CHECKING:
+    from scaling.network import ContactNetwork
+
+_MOST_STEPS = 12
+
+
+def geometric_problem(
+    equation: ForceEquation, noise: Sources, φ: Floats
+) -> tuple[ConstrainedLeastSquares, csr_array, csr_array]:
+    """The problem in (y ; φ_t) linearised at φ = f/κ, with its B and C."""
+    matrices, network = equation.matrices, equation.network
+    B = noise.overlaps(network)
+    C = csr_array(matrices.M_normal @ B + noise.balance(network, φ))
+    blocks = [C]
+    if equation.frictional:
+        matrices.transverse.require_full_rank()
+        blocks += [-matrices.M_tangential, global_moments(network)]
+    conditions = hstack(blocks)
+    k, rest = noise.count, conditions.shape[1] - noise.count
+    weights = hstack([eye_array(k), csr_array((k, rest))])
+    name = "optimal estimate from sizes and distances"
+    return ConstrainedLeastSquares(weights, conditions, name), B, C
+
+
+def size_problem(equation: ForceEquation, noise: Sources) -> ConstrainedLeastSquares:
+    """The problem in (y ; φ) of data="sizes"."""
+    if noise.moves:
+        raise ValueError("data='sizes' takes directions as exact: position noise needs data='all'")
+    matrices = equation.matrices
+    matrices.system.require_full_rank()
+    QB = matrices.Q @ noise.overlaps(equation.network)  # positions exact: the response of σ
+    conditions = vstack(
+        [
+            hstack([csr_array((equation.M.shape[0], noise.count)), equation.M]),
+            hstack([QB, matrices.closure]),
+        ]
+    )
+    weights = hstack([eye_array(noise.count), csr_array((noise.count, equation.unknowns))])
+    return ConstrainedLeastSquares(weights, conditions, "optimal estimate from sizes")
+
+
+def optimal_forces(
+    equation: ForceEquation, stiffness: float, noise: Sources, data: str
+) -> tuple[Floats, Floats, int]:
+    """(f, y = the noise found in the data, steps)."""
+    if data == "sizes":
+        t = equation.rhs(stiffness) / stiffness
+        u = size_problem(equation, noise).solve(np.zeros(noise.count), t)
+        return stiffness * u[noise.count :], u[: noise.count], 1
+    F = -equation.balance_rhs() / stiffness
+    c, k = equation.network.contacts, noise.count
+    y, φ = np.zeros(k), np.zeros(equation.unknowns)
+    here, previous, change = equation, np.inf, np.inf
+    for step in range(_MOST_STEPS):
+        problem, B, C = geometric_problem(here, noise, φ)
+        δ = here.network.overlaps
+        u = problem.solve(np.zeros(k), F + here.matrices.M_normal @ δ + C @ y)
+        y_new, φ_t = u[:k], u[k : k + equation.unknowns - c]
+        φ_new = np.concatenate([δ - B @ (y_new - y), φ_t])
+        scale = float(np.linalg.norm(φ_new)) or 1.0
+        change = float(np.linalg.norm(φ_new - φ)) / scale
+        y, φ = y_new, φ_new
+        if not noise.moves or change < 1e-10 or (step > 2 and change > 0.5 * previous):
+            break
+        previous = change
+        here = force_equation(_corrected(equation.network, noise, y), equation.frictional)
+    return stiffness * φ, y, step + 1
+
+
+def _corrected(network: ContactNetwork, noise: Sources, y: Floats) -> ContactNetwork:
+    """The network with the noise y taken out of its data."""
+    x = network.positions
+    assert x is not None
+    new = type(network)(
+        x - (noise.positions @ y).reshape(2, -1).T,
+        np.maximum(network.radii - noise.radii @ y, 1e-3 * network.radii),
+        network.pairs,
+        cell=network.cell,
+        images=network.images,
+        external=network.external,
+    )
+    new._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
+    return new

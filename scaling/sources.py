@@ -1,0 +1,144 @@
+"""Where the noise enters: which grain data are noisy, and how strongly.
+
+    δR = ξ L_R η ,   δx = ξ L_x η ,   η independent standard normals, Σ = ξ² L Lᵀ
+
+With δσ = incidence δR, δr = ∂r/∂x δx the data that the estimators use change to first order by
+
+    overlaps   δ(σ - r) = ξ B η ,    B = incidence L_R - ∂r/∂x L_x
+    balance    δM|f⟩    = ξ D η ,    D = ∂(M f)/∂x L_x         (linear in the true forces)
+
+Everything that is said about errors, bounds and optimal estimates follows from B and D.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array, issparse
+
+from scaling.checks import Floats
+from scaling.noise import (
+    balance_response,
+    check_noise,
+    distance_response,
+    radius_scale,
+    size_response,
+)
+
+if TYPE_CHECKING:
+    from scaling.network import ContactNetwork
+
+
+@dataclass(frozen=True, eq=False)
+class Sources:
+    """k independent sources of noise.
+
+    Attributes
+    ----------
+    radii : (N, k) sparse L_R, a length
+    positions : (2N, k) sparse L_x, x coordinates before y
+    xi : ξ, the strength; 1 if it was not given
+    """
+
+    radii: csr_array
+    positions: csr_array
+    xi: float
+
+    @property
+    def count(self) -> int:
+        """The number of sources, k."""
+        return self.radii.shape[1]
+
+    @property
+    def moves(self) -> bool:
+        """Whether positions are noisy."""
+        return self.positions.nnz > 0
+
+    def overlaps(self, network: ContactNetwork) -> csr_array:
+        """B, (c, k) sparse."""
+        incidence = size_response(network, "radius") / network.mean_diameter
+        B = incidence @ self.radii
+        if self.moves:
+            B = B - distance_response(network) / network.mean_diameter @ self.positions
+        return csr_array(B)
+
+    def balance(self, network: ContactNetwork, forces: Floats) -> csr_array:
+        """D, (rows of M, k) sparse, for `forces` (2c,) or (c,)."""
+        rows = len(network.active) * (3 if forces.size == 2 * network.contacts else 2)
+        if not self.moves:
+            return csr_array((rows, self.count))
+        return csr_array(balance_response(network, forces) / network.mean_diameter) @ (
+            self.positions
+        )
+
+
+def sources(
+    network: ContactNetwork,
+    noise: str = "diameter",
+    covariance: Any = None,
+    xi: float | None = None,
+) -> Sources:
+    """The noise of a convention of `scaling.noise`, or of any covariance.
+
+    Parameters
+    ----------
+    noise : "diameter", "radius", "relative" or "position", of strength `xi` (default 1)
+    covariance : instead, in length²: of the radii alone, or of (R ; x ; y): N or 3N variances,
+        or an N × N or 3N × 3N matrix, dense or sparse; zeros mean exact data
+
+    ValueError: unknown noise, both kinds of noise given, or a matrix that is no covariance.
+    """
+    N = network.grains
+    if covariance is None:
+        check_noise(noise)
+        strength = 1.0 if xi is None else float(xi)
+        if not strength > 0:
+            raise ValueError(f"xi = {xi}: the strength of the noise must be positive")
+        if noise == "position":
+            return Sources(
+                csr_array((N, 2 * N)),
+                csr_array(diags_array(np.full(2 * N, network.mean_diameter))),
+                strength,
+            )
+        sizes = csr_array(diags_array(radius_scale(network, noise)))
+        return Sources(sizes, csr_array((2 * N, N)), strength)
+    if noise != "diameter" or xi is not None:
+        raise ValueError("covariance says all about the noise: noise and xi are not used with it")
+    L = _factor(covariance, N)
+    scale = float(np.sqrt((L.multiply(L)).sum() / max(L.shape[1], 1)))
+    L = csr_array(L / scale)
+    positions = L[N:] if L.shape[0] > N else csr_array((2 * N, L.shape[1]))
+    return Sources(csr_array(L[:N]), csr_array(positions), scale)
+
+
+def _factor(covariance: Any, grains: int) -> csr_array:
+    """L with L Lᵀ = covariance, and no column for exact data."""
+    dense = covariance.toarray() if issparse(covariance) else covariance
+    matrix = np.array(dense, dtype=float)
+    n = matrix.shape[0] if matrix.ndim else 0
+    if n not in (grains, 3 * grains) or matrix.shape not in ((n,), (n, n)):
+        raise ValueError(
+            f"covariance has shape {matrix.shape}, expected {grains} or {3 * grains} "
+            "variances, or a square matrix of that size"
+        )
+    if not np.isfinite(matrix).all():
+        raise ValueError("covariance is not finite")
+    if matrix.ndim == 2 and not np.allclose(matrix, matrix.T, rtol=1e-10, atol=0):
+        raise ValueError("covariance is not symmetric")
+    diagonal = matrix if matrix.ndim == 1 else matrix.diagonal()
+    if (diagonal < 0).any():
+        k = int(np.argmax(diagonal < 0))
+        raise ValueError(f"covariance: variance {k} is {diagonal[k]:.3g}, negative")
+    if not diagonal.any():
+        raise ValueError("covariance is 0: exact data need no estimate, use gppsz or direct")
+    if matrix.ndim == 1 or not (matrix - np.diag(diagonal)).any():
+        noisy = np.flatnonzero(diagonal)
+        values = np.sqrt(diagonal[noisy])
+        return csr_array((values, (noisy, np.arange(len(noisy)))), shape=(n, len(noisy)))
+    λ, U = np.linalg.eigh(matrix)
+    if λ[0] < -1e-12 * λ[-1]:
+        raise ValueError(f"covariance has the negative eigenvalue {λ[0]:.3g}")
+    kept = λ > 1e-14 * λ[-1]
+    return csr_array(U[:, kept] * np.sqrt(λ[kept]))
