@@ -43,6 +43,12 @@ def new_figure(height: float, rows: int, columns: int = 1, **kwargs: Any) -> tup
     return plt.subplots(rows, columns, figsize=(COLUMN, height), layout="constrained", **kwargs)
 
 
+def wide_figure(height: float, rows: int, columns: int = 1, **kwargs: Any) -> tuple[Figure, Any]:
+    """A figure over two columns and its axes."""
+    size = (2 * COLUMN, height)
+    return plt.subplots(rows, columns, figsize=size, layout="constrained", **kwargs)
+
+
 def colour(delta: float, smallest: float = 1e-6, largest: float = 1e-1) -> tuple[float, ...]:
     """From viridis (readable by the colour-blind and in grey), dark for the stiffest grains."""
     place = np.log(delta / smallest) / np.log(largest / smallest)

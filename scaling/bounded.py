@@ -17,22 +17,14 @@ On open networks p is not needed: the loads say 2 p A = -Σ x·F.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.sparse import (
-    coo_array,
-    csc_array,
-    csc_matrix,
-    csr_array,
-    diags_array,
-    eye_array,
-    hstack,
-)
+from scipy.sparse import block_array, csr_array, eye_array
 
 from scaling.checks import Floats
 from scaling.constrained import global_moments
+from scaling.convex import minimise
 from scaling.equation import ForceEquation, force_equation
 from scaling.sources import Sources
 
@@ -63,6 +55,7 @@ class Posterior:
     virial: float
     data: str
     prior: Prior
+    gaps: bool = False
 
     @property
     def mean_force(self) -> float:
@@ -95,122 +88,94 @@ def flat_guess(network: ContactNetwork, pressure: float | None = None) -> Floats
 def bounded_forces(
     posterior: Posterior, shift: tuple[Floats, Floats] | None = None
 ) -> tuple[Floats, Floats, dict[str, Any]]:
-    """(f, y, the solver's report) at the maximum of the posterior.
+    """(f, η, the solver's report) at the maximum of the posterior.
 
     `shift` moves the data and the prior mean by noise of their own size, (k,) and (2c,)
     standard normals: see `scaling.credible`. ValueError: clarabel missing, or nothing feasible.
     """
-    if find_spec("clarabel") is None:
-        raise ValueError("method 'bounded' needs clarabel: pip install 'packing-forces[convex]'")
     f, noise = np.zeros(posterior.equation.unknowns), posterior.noise
+    f[: posterior.equation.network.contacts] = posterior.mean_force
     passes = 2 if noise is not None and noise.moves else 1
     for _ in range(passes):  # the turning of directions is linear at the forces of the last pass
-        f, y, report = _solve(posterior, f, shift)
-    return f, y, report
+        f, η, report = _solve(posterior, f, shift)
+    return f, η, report
 
 
 def _solve(
     p: Posterior, last: Floats, shift: tuple[Floats, Floats] | None
 ) -> tuple[Floats, Floats, dict[str, Any]]:
-    equation, network, f0 = p.equation, p.equation.network, p.mean_force
-    c, n = network.contacts, p.equation.unknowns
+    """One programme in z = (f/f̄ ; g η ; free moments ; κ gap/f̄)."""
+    equation, f0, c, n = p.equation, p.mean_force, p.equation.network.contacts, p.equation.unknowns
     k = 0 if p.noise is None else p.noise.count
-    # y = g η: unit prior of η for weak noise, unit effect on f/f̄ for strong noise.
+    # g η: unit prior of η for weak noise, unit effect on f/f̄ for strong noise.
     strength = 0.0 if p.noise is None else p.stiffness * p.noise.xi / f0
     g = max(1.0, strength)
-    η0 = np.zeros(k) if shift is None else shift[0]
-    width = np.full(n, p.prior.normal)
+    η0, width, mean = np.zeros(k), np.full(n, p.prior.normal), np.zeros(n)
     width[c:] = p.prior.tangential
-    mean = np.zeros(n)
     mean[:c] = p.prior.mean
     if shift is not None:
-        mean = mean + width * shift[1]
+        η0, mean = g * shift[0], mean + width * shift[1]
 
-    balance, equal = equation.M, [equation.balance_rhs() / f0]
-    y_balance = csr_array((balance.shape[0], k))
-    B: Any = csr_array((c, k))
-    if p.noise is not None:
-        B = p.noise.overlaps(network) * (strength / g)
-        if p.noise.moves and last.any():
-            # True directions: M - D y, as x̃ = x + L_x y.
-            y_balance = p.noise.balance(network, last / f0) * (-p.noise.xi / g)
-            equal[0] = equal[0] + y_balance @ (g * η0)
-    moments = global_moments(network) if equation.frictional else csr_array((balance.shape[0], 0))
-    s = moments.shape[1]
-    rows = [hstack([balance, y_balance, moments])]
-    if k:
-        wanted = p.stiffness / f0
-        if p.data == "all":
-            rows.append(hstack([eye_array(c, n), B, csr_array((c, s))]))
-            equal.append(wanted * network.overlaps + B @ (g * η0))
-        else:
-            Q = equation.Q
-            rows.append(hstack([equation.matrices.closure, Q @ B, csr_array((Q.shape[0], s))]))
-            t = equation.rhs(p.stiffness)[balance.shape[0] :] / f0
-            equal.append(t + Q @ (B @ (g * η0)))
-    pressure = np.zeros(n + k + s)
-    pressure[:c] = _lengths(network)
-    equal.append(np.array([p.virial / f0]))
-    # The row has c entries: scaled to unit norm, it weighs like one contact.
-    scale = np.linalg.norm(pressure)
-    rows.append(csr_array(pressure[None] / scale))
-    equal[-1] = equal[-1] / scale
-    inequalities = _cone(c, p.friction, equation.frictional)
-    rows.append(hstack([inequalities, csr_array((inequalities.shape[0], k + s))]))
-
-    P = diags_array(np.concatenate([width**-2.0, np.full(k, g**-2.0), np.zeros(s)]))
-    q = np.concatenate([-mean / width**2, np.zeros(k + s)])
-    z, report = _clarabel(P, q, rows, np.concatenate(equal), inequalities.shape[0])
+    moments = csr_array((equation.M.shape[0], 0))
+    if equation.frictional:
+        moments = global_moments(equation.network)
+    turning, data, effect, found = _data(p, last / f0, strength / g, g)
+    gaps = csr_array((len(found), c if p.gaps else 0))
+    if p.gaps:
+        gaps = csr_array(-eye_array(c))
+    s, v = moments.shape[1], gaps.shape[1]
+    r = _lengths(equation.network)
+    unit = np.linalg.norm(r)  # the pressure row has c entries: made to weigh like one contact
+    pressure = csr_array((r / unit, (np.zeros(c, dtype=int), np.arange(c))), shape=(1, n))
+    equal = block_array(
+        [
+            [equation.M, turning, moments, csr_array((equation.M.shape[0], v))],
+            [data, effect, csr_array((len(found), s)), gaps],
+            [pressure, csr_array((1, k)), csr_array((1, s)), csr_array((1, v))],
+        ]
+    )
+    b = [equation.balance_rhs() / f0 + turning @ η0, found + effect @ η0, [p.virial / f0 / unit]]
+    limits = _cone(c, p.friction, equation.frictional)
+    cone = block_array(
+        [
+            [limits, csr_array((limits.shape[0], k + s)), csr_array((limits.shape[0], v))],
+            [csr_array((v, n)), csr_array((v, k + s)), -eye_array(v)],
+        ]
+    )
+    P = np.concatenate([width**-2.0, np.full(k, g**-2.0), np.zeros(s + v)])
+    # A gap has an exponential prior of mean √2 ξ, the scatter of the distance of two centres.
+    price = 1 / (np.sqrt(2) * strength) if p.gaps else 0.0
+    q = np.concatenate([-mean / width**2, np.zeros(k + s), np.full(v, price)])
+    z, report = minimise(P, q, equal, np.concatenate(b), cone)
     return f0 * z[:n], z[n : n + k] / g, report
+
+
+def _data(
+    p: Posterior, φ: Floats, strength: float, g: float
+) -> tuple[csr_array, csr_array, csr_array, Floats]:
+    """(turning of the directions, rows for f, rows for g η, data) in units of f̄."""
+    equation, network, n = p.equation, p.equation.network, p.equation.unknowns
+    if p.noise is None:
+        rows = equation.M.shape[0]
+        return csr_array((rows, 0)), csr_array((0, n)), csr_array((0, 0)), np.zeros(0)
+    B = csr_array(p.noise.overlaps(network) * strength)
+    # True directions: M - D y, as x̃ = x + L_x y.
+    turning = csr_array(p.noise.balance(network, φ) * (-p.noise.xi / g))
+    if p.data == "all":
+        overlaps = network.overlaps * (p.stiffness / p.mean_force)
+        return turning, csr_array(eye_array(network.contacts, n)), B, overlaps
+    t = equation.rhs(p.stiffness)[equation.M.shape[0] :] / p.mean_force
+    return turning, equation.matrices.closure, csr_array(equation.Q @ B), t
 
 
 def _cone(contacts: int, friction: float, frictional: bool) -> csr_array:
     """Rows whose product with f must not be positive: ±f_t - μ f_n, or -f_n."""
-    I = eye_array(contacts)
+    one = eye_array(contacts)
     if not frictional:
-        return csr_array(-I)
-    upper, lower = hstack([-friction * I, I]), hstack([-friction * I, -I])
-    stacked = [upper, lower] if friction > 0 else [upper, lower, hstack([-I, 0 * I])]
-    return csr_array(_stack(stacked))
-
-
-def _stack(rows: list[Any]) -> Any:
-    from scipy.sparse import vstack
-
-    return vstack(rows)
-
-
-def _clarabel(
-    P: Any, q: Floats, rows: list[Any], equal: Floats, cone: int
-) -> tuple[Floats, dict[str, Any]]:
-    import clarabel
-
-    A = csc_array(coo_array(_stack(rows)))
-    A.eliminate_zeros()
-    b = np.concatenate([equal, np.zeros(cone)])
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.max_threads = 1
-    problem = clarabel.DefaultSolver(
-        csc_matrix(P), q, csc_matrix(A), b,
-        [clarabel.ZeroConeT(len(equal)), clarabel.NonnegativeConeT(cone)], settings,
-    )  # fmt: skip
-    solution = problem.solve()
-    status = str(solution.status)
-    if status not in ("Solved", "AlmostSolved"):
-        raise ValueError(
-            f"no forces satisfy balance, friction and pressure together: clarabel says {status} "
-            f"after {solution.iterations} iterations; is the friction or the contact list wrong?"
-        )
-    z = np.array(solution.x)
-    report = {
-        "status": status,
-        "iterations": int(solution.iterations),
-        "tolerance": float(
-            max(abs((A @ z - b)[: len(equal)]).max(), (A @ z - b)[len(equal) :].max(), 0)
-        ),
-    }
-    return z, report
+        return csr_array(-one)
+    rows = [[-friction * one, one], [-friction * one, -one]]
+    # With μ > 0 the sum of the two says f_n >= 0.
+    return csr_array(block_array(rows if friction > 0 else [*rows, [-one, 0 * one]]))
 
 
 def _lengths(network: ContactNetwork) -> Floats:
@@ -227,8 +192,15 @@ def posterior(
     data: str = "all",
     frictional: bool = True,
     prior: Prior | None = None,
+    gaps: bool = False,
 ) -> Posterior:
-    """Collect a posterior; `noise` None means that sizes are not known at all (ξ = ∞)."""
+    """Collect a posterior; `noise` None means that sizes are not known at all (ξ = ∞).
+
+    With `gaps` (for data="all") a contact of the list may be open, f_n = κ (σ - r + gap) with
+    gap >= 0: for lists inferred from the geometry, where some are false.
+    """
+    if gaps and (data != "all" or noise is None):
+        raise ValueError("gaps are for data='all' with noise of finite strength")
     if not (np.isfinite(friction) and friction >= 0):
         raise ValueError(f"friction {friction}: it cannot be negative")
     if data == "sizes" and noise is not None and noise.moves:
@@ -241,4 +213,5 @@ def posterior(
         virial_of(network, pressure),
         data,
         Prior() if prior is None else prior,
+        gaps,
     )

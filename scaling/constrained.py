@@ -5,7 +5,7 @@ Method of multipliers on the residuals, with one factorisation of H = AᵀA + w 
     H d = Aᵀ(a - A u) - Bᵀλ + w Bᵀ(b - B u) ,    u ← u + d ,    λ ← λ + w (B u - b)
 
 A step shrinks the violation in a direction where B has the singular value s (relative to A) by
-1/(1 + w s²), so with w = 1e8 three or four reach rounding. It is indifferent to redundant rows
+1/(1 + w s²), so with w = 1e7 three or four reach rounding. It is indifferent to redundant rows
 of B, as the balance of the whole among the balances of all grains, and where B u = b has no
 solution (more conditions than unknowns, met up to rounding) it converges to the least
 violation: the limit of noise in b that is far below all other noise.
@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from scaling.checks import Floats
@@ -25,7 +26,7 @@ from scaling.checks import Floats
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork
 
-WEIGHT = 1e8
+WEIGHT = 1e7
 _MOST_STEPS = 60
 
 
@@ -77,19 +78,24 @@ class ConstrainedLeastSquares:
 
 
 def global_moments(network: ContactNetwork) -> csr_array:
-    """(3N, open components): the rows of M combined to the moment of a whole component.
+    """(3N, parts): the rows of M combined to the moment of each part of an open component.
 
     Internal forces balance in it up to O(Δ) only (lever arms R_i at contacts that overlap):
     enforced on noisy directions it would amplify their noise by 1/Δ, so estimators leave it
-    free. None for what winds a periodic cell, and none if only directions are known.
+    free. A bridge, a contact on no loop, cannot transmit moment either, so the parts that bridges
+    join (a dangling grain, say) are counted one by one. None for what winds a periodic cell,
+    and none if only directions are known.
     """
     active, forest = network.active, network.forest
     none = csr_array((3 * len(active), 0))
     if network.positions is None:
         return none
-    component = forest.component[active]
-    labels = np.unique(component)
-    labels = labels[forest.winding_rank[labels] == 0]
+    looped = np.diff(csc_array(network.loops.incidence).indptr) > 0
+    winds = forest.winding_rank[forest.component] > 0
+    i, j = network.pairs[looped | winds[network.pairs[:, 0]]].T
+    graph = csr_array((np.ones(len(i)), (i, j)), shape=(network.grains, network.grains))
+    component = connected_components(graph, directed=False)[1][active]
+    labels = np.unique(component[~winds[active]])
     x = network.positions[active]
     if network.cell is not None:
         x = x + forest.shift[active] @ network.cell

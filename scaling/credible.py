@@ -40,9 +40,10 @@ def credible_intervals(
     if not 0 < level < 1:
         raise ValueError(f"level = {level}: it must be between 0 and 1")
     tail = (1 - level) / 2
-    if draws * tail < 1:
+    if draws * tail < 1 - 1e-9:
         raise ValueError(
-            f"draws = {draws} cannot resolve tails of {tail:g}; take at least {int(1 / tail) + 1}"
+            f"draws = {draws} cannot resolve tails of {tail:g}; "
+            f"take at least {int(np.ceil(1 / tail - 1e-9))}"
         )
     sample = posterior_draws(posterior, rng, draws)
     low, high = np.quantile(sample, [tail, 1 - tail], axis=0, method="weibull")

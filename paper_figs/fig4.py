@@ -1,0 +1,183 @@
+"""Fig. 4: what other estimators do: E against ξ/Δ, the Cramér-Rao bound and the prior's level.
+
+(a) Noise on the diameters, directions exact, GPPSZ's data: their estimate and its balanced form
+grow as ξ/Δ without end; weighing the same data by their covariance is far better, for exact
+directions almost determine the forces.  (b) Noise on the positions, exact diameters: nothing
+linear and unbiased beats the bound, `optimal` attains it; `bounded` saturates at what balance,
+friction and pressure alone say (dashed), below the flat guess f_n = f̄ (dotted).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.util import find_spec
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from dem import Packing
+from paper_figs.packings import Edition
+from paper_figs.style import MARKERS, new_figure, power_of_ten, provenance
+from scaling import (
+    ContactNetwork,
+    cramer_rao,
+    flat_guess,
+    mean_force,
+    perturb,
+    reconstruct,
+    relative_error,
+)
+
+DELTAS = (1e-6, 1e-4, 1e-2)
+RATIOS = (0.01, 0.1, 1.0, 10.0, 100.0)
+LARGEST_XI = 0.05
+SEED = 4
+PROBES = 10
+COLOURS = {
+    "gppsz": "#D55E00", "balanced": "#E69F00", "direct": "#999999",
+    "optimal": "#0072B2", "bounded": "#009E73",
+}  # fmt: skip
+TABLE = np.dtype(
+    [
+        ("noise", "U8"), ("delta", float), ("ratio", float), ("method", "U8"), ("error", float),
+        ("error_sd", float), ("packings", int), ("bound", float), ("flat", float),
+        ("prior", float), ("prior_sd", float),
+    ]
+)  # fmt: skip
+
+
+def chosen(packings: Sequence[Packing], edition: Edition) -> list[list[Packing]]:
+    """Per Δ, the first half of its packings."""
+    count = (edition.packings + 1) // 2
+    return [[p for p in packings if p.delta == d][:count] for d in DELTAS]
+
+
+def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
+    """E per noise, Δ, ξ/Δ and method: rms over packings (one draw each) and its standard
+    deviation; with the bound, and the levels of the flat guess and of the prior alone."""
+    rows = []
+    for group in chosen(packings, edition):
+        levels = np.array([_levels(p) for p in group])
+        for noise in ("diameter", "position"):
+            bound = np.mean([_bound(p, noise) for p in group])
+            errors = {m: np.full((len(RATIOS), len(group)), np.nan) for m in COLOURS}
+            for k, p in enumerate(group):
+                generators = np.random.default_rng(SEED + k).spawn(len(RATIOS))
+                for r, (ratio, rng) in enumerate(zip(RATIOS, generators, strict=True)):
+                    if ratio * p.delta <= LARGEST_XI:
+                        for method, error in _errors(p, ratio * p.delta, noise, rng).items():
+                            errors[method][r, k] = error
+            for method, values in errors.items():
+                for ratio, e in zip(RATIOS, values, strict=True):
+                    rows.append((
+                        noise, group[0].delta, ratio, method, np.sqrt(np.mean(e**2)),
+                        np.std(e, ddof=1), len(group), bound * ratio,
+                        levels[:, 0].mean(), levels[:, 1].mean(), levels[:, 1].std(ddof=1),
+                    ))  # fmt: skip
+    return np.array(rows, TABLE)
+
+
+def _errors(p: Packing, xi: float, noise: str, rng: np.random.Generator) -> dict[str, float]:
+    noisy = perturb(ContactNetwork.from_packing(p), xi, rng, noise)
+    weights = {"xi": xi, "noise": noise, "data": "sizes" if noise == "diameter" else "all"}
+    limits = {"friction": p.friction, "pressure": p.pressure}
+    arguments: dict[str, dict] = {m: {} for m in ("gppsz", "balanced", "direct")}
+    arguments["optimal"] = weights
+    if find_spec("clarabel"):
+        arguments["bounded"] = weights | limits
+    return {
+        m: relative_error(reconstruct(noisy, p.stiffness, m, **a).forces, p.forces)
+        for m, a in arguments.items()
+    }
+
+
+def _bound(p: Packing, noise: str) -> float:
+    """C of the bound, for the data that `optimal` has."""
+    given = {"data": "sizes"}
+    if noise == "position":
+        given = {"forces": p.forces, "stiffness": p.stiffness}
+    bound = cramer_rao(ContactNetwork.from_packing(p), noise, **given)
+    K, _ = bound.estimated_gain(np.random.default_rng(SEED), PROBES)
+    return K * p.pressure / mean_force(p.forces)
+
+
+def _levels(p: Packing) -> tuple[float, float]:
+    """E of the flat guess, and of balance, friction and pressure without any size or distance."""
+    network = ContactNetwork.from_packing(p)
+    flat = relative_error(flat_guess(network, p.pressure), p.forces)
+    if not find_spec("clarabel"):
+        return flat, np.nan
+    blind = reconstruct(
+        network, p.stiffness, "bounded", xi=np.inf, friction=p.friction, pressure=p.pressure
+    )
+    return flat, relative_error(blind.forces, p.forces)
+
+
+def plot(table: np.ndarray) -> Figure:
+    """Two panels of one column."""
+    figure, panels = new_figure(5.6, 2)
+    titles = {
+        "diameter": "(a) noise on diameters, exact directions",
+        "position": "(b) noise on positions",
+    }
+    for axes, noise in zip(panels, titles, strict=True):
+        of_noise = table[table["noise"] == noise]
+        for delta, marker in zip(DELTAS, MARKERS, strict=False):
+            for method, colour in COLOURS.items():
+                mine = of_noise[(of_noise["delta"] == delta) & (of_noise["method"] == method)]
+                axes.errorbar(
+                    mine["ratio"], mine["error"], mine["error_sd"], color=colour, marker=marker,
+                    linestyle="-", linewidth=0.6, markerfacecolor="white",
+                )  # fmt: skip
+        middle = of_noise[of_noise["delta"] == DELTAS[1]]
+        line = middle[middle["method"] == "optimal"]
+        axes.plot(line["ratio"], line["bound"], "k-", linewidth=2.5, alpha=0.25)
+        axes.axhline(middle["flat"][0], color="k", linestyle=":", linewidth=0.8)
+        axes.axhline(middle["prior"][0], color=COLOURS["bounded"], linestyle="--", linewidth=0.8)
+        axes.set(
+            xscale="log", yscale="log", ylim=(3e-5, 2e2), ylabel="relative error of forces $E$"
+        )
+        axes.text(0.03, 0.92, titles[noise], transform=axes.transAxes)
+    panels[1].set_xlabel(r"noise over deformation $\xi/\Delta$")
+    colours = [Line2D([], [], color=c, label=m) for m, c in COLOURS.items()]
+    colours.append(Line2D([], [], color="k", linewidth=2.5, alpha=0.25, label="bound"))
+    shapes = [
+        Line2D([], [], color="k", marker=m, markerfacecolor="white", linestyle="none",
+               label=rf"$\Delta={power_of_ten(d)}$") for d, m in zip(DELTAS, MARKERS, strict=False)
+    ]  # fmt: skip
+    shapes.append(Line2D([], [], color="k", linestyle=":", label="flat guess"))
+    shapes.append(Line2D([], [], color=COLOURS["bounded"], linestyle="--", label="prior alone"))
+    figure.legend(handles=colours + shapes, loc="outside lower center", ncols=4)
+    return figure
+
+
+def text(table: np.ndarray) -> str:
+    """The table E(ξ/Δ) per noise, Δ and estimator, as Markdown."""
+    head = "| noise | Δ | estimator | " + " | ".join(f"ξ/Δ = {r:g}" for r in RATIOS) + " |"
+    lines = [head, "|---|---|---|" + "---|" * len(RATIOS)]
+    for noise in ("diameter", "position"):
+        for delta in sorted(DELTAS, reverse=True):
+            for method in COLOURS:
+                mine = table[
+                    (table["noise"] == noise)
+                    & (table["delta"] == delta)
+                    & (table["method"] == method)
+                ]
+                cells = [
+                    "" if np.isnan(r["error"]) else f"{r['error']:.2g} ± {r['error_sd']:.1g}"
+                    for r in mine
+                ]
+                lines.append(f"| {noise} | {delta:g} | {method} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
+    """What the metadata say."""
+    seeds = [p.info["seed"] for group in chosen(packings, edition) for p in group]
+    return provenance(
+        figure="4", edition=edition.name, grains=edition.grains, noise_seed=SEED,
+        packing_seeds=seeds, xi_max=LARGEST_XI,
+        data="sizes and exact directions for noise on diameters, else sizes and distances",
+        error_bars="standard deviation over packings, one noise draw each",
+    )  # fmt: skip

@@ -1,0 +1,131 @@
+"""Fig. 5: the prefactor C = E/(ξ/Δ) of every estimator against Δ, and the laws behind it.
+
+C = K p/⟨|f|⟩.  (a) Noise on the diameters, (b) on the positions.  (c) With friction the gain
+of gppsz for size noise is K² = ½ ⟨σ⟩² (loops per contact): |E|² is one ⟨σ⟩² per loop.  (d) The
+bound for position noise is K = 2.7 ⟨σ⟩ times the hyperstaticity per unknown, h/2c.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from dem import Packing
+from paper_figs.fig4 import COLOURS
+from paper_figs.packings import DELTAS, Edition
+from paper_figs.style import colour, provenance, wide_figure
+from scaling import ContactNetwork, error_map, force_equation, mean_force
+
+PROBES = 12
+SEED = 5
+LOOP_LAW, BOUND_LAW = 0.5, 2.7
+MAPS = tuple(
+    (method, noise)
+    for noise in ("diameter", "position")
+    for method in ("gppsz", "balanced", "direct", "optimal")
+)
+TABLE = np.dtype(
+    [
+        ("delta", float), ("friction", float), ("grains", int), ("seed", int), ("Z", float),
+        ("hyperstaticity", float), ("loops", float), ("p_over_f", float),
+        *((f"K_{m}_{n}", float) for m, n in MAPS),
+        *((f"bar_{m}_{n}", float) for m, n in MAPS),
+    ]
+)  # fmt: skip
+
+
+def row(p: Packing) -> tuple:
+    """Everything about one packing: coordination, counts per unknown, gains with their bars."""
+    network, frictional = ContactNetwork.from_packing(p), p.friction > 0
+    equation = force_equation(network, frictional)
+    gains = []
+    for method, noise in MAPS:
+        true = {"forces": p.forces, "stiffness": p.stiffness} if noise == "position" else {}
+        found = error_map(network, method, noise, frictional=frictional, **true)
+        gains.append(found.estimated_gain(np.random.default_rng(SEED), PROBES))
+    K, bars = zip(*gains, strict=True)
+    return (
+        p.delta, p.friction, len(network.active), p.info["seed"], network.coordination,
+        equation.hyperstaticity / equation.unknowns, network.faces / network.contacts,
+        p.pressure / mean_force(p.forces, frictional=frictional), *K, *bars,
+    )  # fmt: skip
+
+
+def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
+    """One row per packing, half of those of each Δ."""
+    count = (edition.packings + 1) // 2
+    some = [p for d in DELTAS for p in [q for q in packings if q.delta == d][:count]]
+    return np.array([row(p) for p in some], TABLE)
+
+
+def plot(table: np.ndarray) -> Figure:
+    """Two by two panels over two columns."""
+    figure, ((a, b), (c, d)) = wide_figure(5.2, 2, 2)
+    for axes, noise, title in ((a, "diameter", "(a) diameters"), (b, "position", "(b) positions")):
+        for method in ("gppsz", "balanced", "direct", "optimal"):
+            means, deviations = [], []
+            deltas = np.unique(table["delta"])
+            for delta in deltas:
+                mine = table[table["delta"] == delta]
+                C = mine[f"K_{method}_{noise}"] * mine["p_over_f"]
+                means.append(C.mean())
+                deviations.append(C.std(ddof=1))
+            label = method if method != "optimal" else "optimal = bound"
+            axes.errorbar(
+                deltas, means, deviations, marker="o", color=COLOURS[method], label=label
+            )
+        axes.set(xscale="log", xlabel=r"deformation $\Delta$", ylabel="prefactor $C$")
+        axes.set_ylim(bottom=-0.03)
+        axes.set_title(title + " noisy", loc="left")
+    a.legend(loc="upper left")
+    a.text(
+        0.03, 0.1, "exact positions,\n" r"$Z<4-4/N$: bound 0", transform=a.transAxes,
+        fontsize=6.5,
+    )  # fmt: skip
+    for one in table:
+        c.errorbar(
+            one["loops"] / 2, one["K_gppsz_diameter"] ** 2,
+            2 * one["K_gppsz_diameter"] * one["bar_gppsz_diameter"],
+            marker="o", color=colour(one["delta"]),
+        )  # fmt: skip
+        d.errorbar(
+            one["hyperstaticity"], one["K_optimal_position"], one["bar_optimal_position"],
+            marker="o", color=colour(one["delta"]),
+        )  # fmt: skip
+    c.axline((0, 0), slope=2 * LOOP_LAW, color="k", linestyle="--", linewidth=0.8)
+    d.axline((0, 0), slope=BOUND_LAW, color="k", linestyle="--", linewidth=0.8)
+    c.set(
+        xlabel=r"half the loops per contact $(c-N)/2c$", ylabel=r"$K^2/\langle\sigma\rangle^2$",
+        xlim=(0.18, 0.31), ylim=(0.18, 0.34),
+    )  # fmt: skip
+    c.set_title("(c) gppsz, noise on diameters", loc="left")
+    d.set(xlabel=r"hyperstaticity per unknown $h/2c$", ylabel=r"$K/\langle\sigma\rangle$")
+    d.set(xlim=(0, None), ylim=(0, None))
+    d.set_title(r"(d) bound, noise on positions", loc="left")
+    return figure
+
+
+def laws(table: np.ndarray) -> dict[str, tuple[float, float]]:
+    """Coefficients and their standard deviation over packings: (mean, sd) per candidate law."""
+    K, B, P = (table[f"K_{n}"] for n in
+               ("gppsz_diameter", "balanced_diameter", "optimal_position"))  # fmt: skip
+    h, loops = table["hyperstaticity"], table["loops"]
+    laws = {
+        "gppsz K² / loops per contact": K**2 / loops,
+        "gppsz K² / hyperstaticity": K**2 / h,
+        "balanced K² / hyperstaticity": B**2 / h,
+        "balanced K² / loops per contact": B**2 / loops,
+        "bound (positions) K / hyperstaticity": P / h,
+        "bound (positions) K² / hyperstaticity": P**2 / h,
+    }
+    return {k: (float(v.mean()), float(v.std(ddof=1))) for k, v in laws.items()}
+
+
+def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
+    """What the metadata say."""
+    return provenance(
+        figure="5", edition=edition.name, grains=edition.grains, probe_seed=SEED, probes=PROBES,
+        error_bars="(a, b) standard deviation over packings; (c, d) of the probes' mean",
+    )  # fmt: skip

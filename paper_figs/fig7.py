@@ -1,0 +1,210 @@
+"""Fig. 7: what breaks first in an experiment.
+
+(a) Contacts read off noisy positions: false and missed ones at the threshold that gets
+fewest wrong, as fractions of the true number.  (b) The error with the list known, and inferred: for
+gppsz with that threshold; for `bounded`, whose contacts may then be open, with the best of
+several (none is feasible where too many contacts are missed).  (c) A wrong scale of the
+radii, and rounding; the CSV also has spread stiffness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from dem import Packing
+from paper_figs.fig4 import COLOURS
+from paper_figs.packings import Edition
+from paper_figs.style import MARKERS, new_figure, power_of_ten, provenance
+from scaling import (
+    ContactNetwork,
+    amplification_of,
+    infer_contacts,
+    perturb,
+    reconstruct,
+    relative_error,
+    rescaled,
+    rounded,
+    stiffness_response,
+)
+from scaling.bounded import bounded_forces, posterior
+from scaling.detection import confusion, list_error
+from scaling.sources import sources
+
+DELTA = 1e-4
+DELTAS = (1e-6, 1e-4, 1e-2)
+SEED = 7
+THRESHOLDS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0)  # in units of √2 ξ, or 0.3 Δ if that is more
+BOUNDED_AT = (1.0, 2.0, 3.0, 4.0)
+DIGITS = range(1, 9)
+SCALES = (-1, 0, 1, 2, 3)  # decades of ε/Δ
+SPREADS = (0.01, 0.1)
+TABLE = np.dtype(
+    [
+        ("study", "U12"), ("delta", float), ("ratio", float), ("method", "U20"),
+        ("value", float), ("value_sd", float), ("count", int),
+    ]
+)  # fmt: skip
+
+
+def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
+    """Long table: per study, Δ, strength over Δ and method (or kind of mistake), the rms value
+    over packings, its standard deviation, and how many gave one."""
+    count = (edition.packings + 1) // 2
+    groups = {d: [p for p in packings if p.delta == d][:count] for d in DELTAS}
+    ratios = (0.1, 1.0, 10.0, 100.0) if edition.per_decade == 1 else np.logspace(-1, 2, 7)
+    found: dict[tuple, list[float]] = {}
+    for delta, group in groups.items():
+        for k, p in enumerate(group):
+            if delta == DELTA:
+                for ratio, rng in zip(
+                    ratios, np.random.default_rng(SEED + k).spawn(len(ratios)), strict=True
+                ):
+                    for name, value in _contacts(p, ratio, rng):
+                        found.setdefault(("contacts", delta, ratio, name), []).append(value)
+            for ratio, name, value in _calibration(p, np.random.default_rng(SEED + k)):
+                found.setdefault(("calibration", delta, ratio, name), []).append(value)
+    rows = []
+    for key, values in found.items():
+        good = np.array(values)[np.isfinite(values)]
+        rms = np.sqrt(np.mean(good**2)) if len(good) else np.nan
+        sd = np.std(good, ddof=1) if len(good) > 1 else np.nan
+        rows.append((*key, rms, sd, len(good)))
+    return np.array(rows, TABLE)
+
+
+def _contacts(p: Packing, ratio: float, rng: np.random.Generator) -> Iterator[tuple[str, float]]:
+    xi = ratio * p.delta
+    noisy = perturb(ContactNetwork.from_packing(p), xi, rng, "position")
+    unit = max(np.sqrt(2) * xi, 0.3 * p.delta)
+    lists = {}
+    for t in THRESHOLDS:
+        pairs, images = infer_contacts(noisy.positions, noisy.radii, t * unit, cell=p.cell)
+        both = len(confusion(pairs, images, p.pairs, p.images)[0])
+        lists[t] = (len(pairs) - both, len(p.pairs) - both, pairs, images)
+    best = min(lists, key=lambda t: lists[t][0] + lists[t][1])
+    yield "false", lists[best][0] / len(p.pairs)
+    yield "missed", lists[best][1] / len(p.pairs)
+    weights = {
+        "xi": xi, "noise": "position", "friction": p.friction, "pressure": p.pressure,
+    }  # fmt: skip
+    known = reconstruct(noisy, p.stiffness)
+    yield "gppsz, known", relative_error(known.forces, p.forces)
+    yield "gppsz, inferred", _inferred(p, noisy, lists[best], "gppsz", {})
+    if find_spec("clarabel"):
+        known = reconstruct(noisy, p.stiffness, "bounded", **weights)
+        yield "bounded, known", relative_error(known.forces, p.forces)
+        errors = [_inferred(p, noisy, lists[t], "bounded", weights) for t in BOUNDED_AT]
+        yield "bounded, inferred", min(errors, key=lambda e: np.inf if np.isnan(e) else e)
+
+
+def _inferred(
+    p: Packing, noisy: ContactNetwork, contacts: tuple, method: str, arguments: dict
+) -> float:
+    """E with an inferred list; nan if the method refuses it (crossing contacts, infeasible)."""
+    _, _, pairs, images = contacts
+    try:
+        network = ContactNetwork(
+            noisy.positions, noisy.radii, pairs, cell=p.cell, images=images
+        ).without_rattlers()
+        if method == "bounded":
+            forces = _with_gaps(network, p, arguments["xi"])
+        else:
+            forces = reconstruct(network, p.stiffness, method).forces
+    except ValueError:
+        return np.nan
+    matched = confusion(network.pairs, network.images, p.pairs, p.images)
+    return list_error(forces, p.forces, matched)
+
+
+def _with_gaps(network: ContactNetwork, p: Packing, xi: float) -> np.ndarray:
+    noise = sources(network, "position", xi=xi)
+    problem = posterior(
+        network, p.stiffness, p.friction, noise, pressure=p.pressure, gaps=True
+    )  # fmt: skip
+    return bounded_forces(problem)[0]
+
+
+def _calibration(p: Packing, rng: np.random.Generator) -> Iterator[tuple[float, str, float]]:
+    network = ContactNetwork.from_packing(p)
+    for decade in SCALES:
+        ε = 10.0**decade * p.delta
+        if ε <= 0.1:
+            off = rescaled(network, radii=ε)
+            for method in ("gppsz", "direct"):
+                forces = reconstruct(off, p.stiffness, method).forces
+                yield 10.0**decade, f"scale, {method}", relative_error(forces, p.forces)
+    for digits in DIGITS:
+        ξ = 2 * 10.0**-digits / np.sqrt(12)  # of a diameter, from a radius rounded
+        if 0.01 < ξ / p.delta < 1e3:
+            forces = reconstruct(rounded(network, digits, positions=False), p.stiffness).forces
+            yield ξ / p.delta, "rounding", relative_error(forces, p.forces)
+    yield 1.0, "C", amplification_of(p)
+    for s in SPREADS:
+        ζ = s * rng.standard_normal(network.contacts)
+        δf = stiffness_response(network, p.forces, ζ)
+        yield s, "stiffness spread", relative_error(p.forces + δf, p.forces)
+
+
+def plot(table: np.ndarray) -> Figure:
+    """Three panels of one column."""
+    figure, (a, b, c) = new_figure(6.6, 3)
+    contacts = table[table["study"] == "contacts"]
+    for kind, marker in (("false", "s"), ("missed", "o")):
+        mine = np.sort(contacts[contacts["method"] == kind], order="ratio")
+        a.errorbar(
+            mine["ratio"], mine["value"], mine["value_sd"], marker=marker, label=kind,
+            color="#D55E00" if kind == "false" else "#0072B2",
+        )  # fmt: skip
+    a.set(xscale="log", ylabel="share of contacts", ylim=(0, None))
+    a.set_title(rf"(a) contacts misread, $\Delta={power_of_ten(DELTA)}$", loc="left")
+    a.legend(loc="upper left")
+    for method in ("gppsz", "bounded"):
+        for kind, style in (("known", "-"), ("inferred", "--")):
+            mine = np.sort(contacts[contacts["method"] == f"{method}, {kind}"], order="ratio")
+            b.errorbar(
+                mine["ratio"], mine["value"], mine["value_sd"], linestyle=style, marker="o",
+                color=COLOURS[method], label=f"{method}, list {kind}", markerfacecolor="white",
+            )  # fmt: skip
+    b.set(xscale="log", yscale="log", ylabel="relative error $E$")
+    b.set_title("(b) error with contacts known and inferred", loc="left")
+    b.legend(loc="upper left")
+    b.set_xlabel(r"noise on positions over deformation $\xi/\Delta$")
+    calibration = table[table["study"] == "calibration"]
+    colours = {"scale, direct": "#999999", "rounding": "#0072B2", "scale, gppsz": "#D55E00"}
+    labels = {
+        "scale, direct": "scale of radii, direct", "rounding": "rounded radii, gppsz",
+        "scale, gppsz": "scale of radii, gppsz",
+    }  # fmt: skip
+    for name, colour in colours.items():
+        for delta, marker in zip(DELTAS, MARKERS, strict=False):
+            mine = calibration[(calibration["method"] == name) & (calibration["delta"] == delta)]
+            c.errorbar(
+                mine["ratio"], mine["value"], mine["value_sd"], color=colour, marker=marker,
+                linestyle="none", markerfacecolor="white",
+                label=labels[name] if delta == DELTA else None,
+            )  # fmt: skip
+    C = calibration[(calibration["method"] == "C") & (calibration["delta"] == DELTA)]["value"][0]
+    x = np.array([1e-2, 1e3])
+    c.plot(x, C * x, "k--", linewidth=0.8, label=r"$C\,\xi/\Delta$")
+    c.set(
+        xscale="log", yscale="log", ylabel="relative error $E$",
+        xlabel=r"size error over deformation, $\varepsilon/\Delta$ or $\xi/\Delta$",
+    )  # fmt: skip
+    c.set_title(
+        r"(c) scale and rounding, $\Delta=10^{-6}$ o, $10^{-4}$ s, $10^{-2}$ D", loc="left"
+    )
+    c.legend(loc="upper left")
+    return figure
+
+
+def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
+    """What the metadata say."""
+    return provenance(
+        figure="7", edition=edition.name, grains=edition.grains, noise_seed=SEED,
+        thresholds=THRESHOLDS, bounded_at=BOUNDED_AT,
+        error_bars="standard deviation over packings, one noise draw each",
+    )  # fmt: skip

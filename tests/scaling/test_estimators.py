@@ -1,0 +1,385 @@
+"""Balanced, optimal and bounded estimates: truth, constraints, optimality, negative control."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import null_space
+
+from scaling import (
+    ContactNetwork,
+    cramer_rao,
+    error_map,
+    flat_guess,
+    force_equation,
+    mean_force,
+    perturb,
+    reconstruct,
+    relative_error,
+)
+from scaling.bounded import Prior, posterior
+from scaling.credible import coverage, credible_intervals
+from scaling.sources import sources
+from tests.conftest import packing
+from tests.scaling.networks import loaded, periodic, rhombus
+
+EPS = np.finfo(float).eps
+
+
+def network_of(p):
+    return ContactNetwork.from_packing(p)
+
+
+def rounding(p, smallest=None):
+    """ε L/Δ over the smallest singular value of G: what noise-free data allow, with a margin."""
+    smallest = smallest or force_equation(network_of(p)).conditioning.smallest
+    return 100 * (EPS * p.cell.max() / p.delta + p.residuals().max()) / smallest
+
+
+@pytest.mark.parametrize("delta", [1e-1, 1e-3, 1e-5])
+@pytest.mark.parametrize("noise", ["diameter", "position"])
+def test_exact_data_give_the_truth(delta, noise):
+    """As ξ → 0 all return the true forces; `optimal` then finds no noise in the data."""
+    p = packing(delta=delta)
+    n = network_of(p)
+    for method, more in (
+        ("balanced", {}),
+        ("optimal", {"xi": delta, "noise": noise}),
+    ):
+        found = reconstruct(n, p.stiffness, method, **more)
+        assert relative_error(found.forces, p.forces) < rounding(p), method
+        if method == "optimal":
+            assert np.abs(found.diagnostics["noise"]).max() < rounding(p)
+
+
+@pytest.mark.parametrize("noise", ["diameter", "position"])
+def test_bounded_approaches_the_truth(noise):
+    """E falls in proportion to ξ: the prior's pull is of second order, (ξ/Δ)² of its own scale."""
+    p = packing(delta=1e-1)
+    n = network_of(p)
+    errors = []
+    for ratio in (1e-1, 1e-2, 1e-3):
+        noisy = perturb(n, ratio * p.delta, np.random.default_rng(0), noise)
+        found = reconstruct(
+            noisy, p.stiffness, "bounded", xi=ratio * p.delta, noise=noise,
+            friction=p.friction, pressure=p.pressure,
+        )  # fmt: skip
+        errors.append(relative_error(found.forces, p.forces))
+    slope = np.polyfit(np.log([1e-1, 1e-2, 1e-3]), np.log(errors), 1)[0]
+    assert slope == pytest.approx(1, abs=0.15)
+
+
+@pytest.mark.parametrize("ratio", [0.1, 10.0, np.inf])
+def test_bounded_keeps_its_constraints(ratio):
+    """Balance, f_n >= 0, Coulomb and pressure hold to the solver's tolerance, 1e-8, in f̄."""
+    p = packing(delta=1e-3)
+    xi = ratio * p.delta
+    n = network_of(p)
+    noisy = n if np.isinf(xi) else perturb(n, xi, np.random.default_rng(1), "position")
+    found = reconstruct(
+        noisy, p.stiffness, "bounded", xi=xi, noise="position",
+        friction=p.friction, pressure=p.pressure,
+    )  # fmt: skip
+    mean = found.normal.mean()
+    assert found.diagnostics["tolerance"] < 1e-7
+    assert found.normal.min() > -1e-7 * mean
+    assert (abs(found.tangential) - p.friction * found.normal).max() < 1e-7 * mean
+    area = abs(np.linalg.det(p.cell))
+    assert found.normal @ noisy.distances / (2 * area) == pytest.approx(p.pressure, rel=1e-6)
+
+
+def test_bounded_saturates_where_gppsz_grows():
+    """On average over packings: at ξ = 100 Δ bounded stays below the flat guess, gppsz is ~30."""
+    bounded, flat, gppsz = [], [], []
+    for seed in range(1, 5):
+        p = packing(delta=1e-4, seed=seed)
+        xi = 100 * p.delta
+        noisy = perturb(network_of(p), xi, np.random.default_rng(seed), "position")
+        found = reconstruct(
+            noisy, p.stiffness, "bounded", xi=xi, noise="position",
+            friction=p.friction, pressure=p.pressure,
+        )  # fmt: skip
+        bounded.append(relative_error(found.forces, p.forces))
+        flat.append(relative_error(flat_guess(noisy, p.pressure), p.forces))
+        gppsz.append(relative_error(reconstruct(noisy, p.stiffness).forces, p.forces))
+    assert np.mean(bounded) < np.mean(flat)
+    assert np.mean(gppsz) > 20 * np.mean(flat)
+
+
+def test_infeasible_problems_are_refused():
+    """Sliding resistance of 1e-6 cannot hold a packing made with friction 0.3."""
+    p = packing(delta=1e-3)
+    with pytest.raises(ValueError, match="no forces satisfy balance, friction and pressure"):
+        reconstruct(
+            network_of(p), p.stiffness, "bounded", xi=1e-5, friction=1e-6, pressure=p.pressure
+        )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"pressure": None}, "pressure None: a periodic network needs a positive one"),
+        ({"pressure": -1.0}, r"pressure -1\.0: a periodic network"),
+        ({"data": "sizes", "noise": "position"}, "position noise needs data='all'"),
+        ({"covariance": np.zeros(48), "xi": None}, "covariance is 0"),
+        ({"covariance": np.ones(5), "xi": None}, r"covariance has shape \(5,\), expected 48"),
+        ({"covariance": -np.ones(48), "xi": None}, "variance 0 is -1, negative"),
+        ({"covariance": np.tri(48), "xi": None}, "covariance is not symmetric"),
+    ],
+)
+def test_bad_arguments_of_bounded(arguments, message):
+    p = packing()
+    given = {"xi": 1e-3, "friction": 0.3, "pressure": p.pressure} | arguments
+    with pytest.raises(ValueError, match=message):
+        reconstruct(network_of(p), p.stiffness, "bounded", **given)
+
+
+def test_missing_solver_is_named(monkeypatch):
+    monkeypatch.setattr("scaling.convex.find_spec", lambda name: None)
+    p = packing()
+    with pytest.raises(
+        ValueError, match=r"needs clarabel: pip install 'packing-forces\[convex\]'"
+    ):
+        reconstruct(
+            network_of(p), p.stiffness, "bounded", xi=1e-3, friction=0.3, pressure=p.pressure
+        )
+
+
+# --- the bound ------------------------------------------------------------------------------
+
+
+def stoica_ng(network, forces, stiffness, L_R, L_x):
+    """J U (Uᵀ 𝓕 U)⁻¹ Uᵀ Jᵀ by its definition, dense, ∂(M f)/∂x by finite differences.
+
+    Exact data are given a variance of 1e-18 length² instead of 0.
+    """
+    N, c = network.grains, network.contacts
+
+    def both(θ):
+        R, x, ft = θ[:N], θ[N : 3 * N].reshape(2, N).T, θ[3 * N :]
+        n = ContactNetwork(x, R, network.pairs, cell=network.cell, images=network.images)
+        f = np.concatenate([stiffness * n.overlaps, ft])
+        return f, force_equation(n).M @ f
+
+    θ = np.concatenate([network.radii, network.positions.T.ravel(), forces[c:]])
+    f_rows, g_rows = [], []
+    for k in range(len(θ)):
+        h = 1e-6 if k < 3 * N else 1e-4 * stiffness
+        up, down = θ.copy(), θ.copy()
+        up[k] += h
+        down[k] -= h
+        (fu, gu), (fd, gd) = both(up), both(down)
+        f_rows.append((fu - fd) / (2 * h))
+        g_rows.append((gu - gd) / (2 * h))
+    J, g = np.array(f_rows).T, np.array(g_rows).T
+    U = null_space(g, rcond=1e-8)
+    variance = np.concatenate([L_R**2, L_x**2]) + 1e-18
+    F = np.concatenate([1 / variance, np.zeros(c)])
+    middle = np.linalg.pinv(U.T @ (F[:, None] * U), rcond=1e-22, hermitian=True)
+    return J @ U @ middle @ U.T @ J.T
+
+
+@pytest.mark.parametrize("delta", [1e-1, 1e-2])
+def test_bound_by_its_definition(delta):
+    """Position and size noise together: cramer_rao against Stoica and Ng's formula.
+
+    Finite differences leave ~1e-8 of each entry, the inversion amplifies that by cond ~ 1e2.
+    """
+    p = packing(grains=20, delta=delta)
+    n = network_of(p)
+    L_R, L_x = np.full(20, 0.5), np.full(40, 1.0)
+    bound = cramer_rao(
+        n, covariance=np.concatenate([L_R, L_x]) ** 2, forces=p.forces, stiffness=p.stiffness
+    )
+    expected = stoica_ng(n, p.forces, p.stiffness, L_R, L_x)
+    scale = np.trace(expected)
+    found = bound.covariance * (np.sum(L_R**2) + np.sum(L_x**2)) / 60  # ξ² of the covariance
+    assert np.trace(found) == pytest.approx(scale, rel=1e-4)
+    assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max()
+    # Without the turning of directions in M it is another number.
+    fixed = cramer_rao(n, covariance=np.concatenate([L_R, L_x]) ** 2)
+    assert abs(fixed.gain / bound.gain - 1) > 1e-3 * delta / 1e-2
+
+
+def test_exact_positions_make_sizes_redundant_below_four():
+    """Size noise alone: the bound is 0 at Z <= 4 - 4/N and is not above; frictionless always 0."""
+    soft, stiff, smooth = packing(delta=1e-1), packing(delta=1e-3), packing(delta=1e-2, friction=0)
+    N = len(network_of(stiff).active)
+    assert network_of(stiff).coordination <= 4 - 4 / N
+    assert network_of(soft).coordination > 4 - 4 / N
+    gain = {m: error_map(network_of(stiff), m).gain for m in ("gppsz", "optimal")}
+    assert gain["optimal"] < 1e-5 * gain["gppsz"]
+    assert cramer_rao(network_of(soft)).gain > 0.1 * error_map(network_of(soft)).gain
+    assert cramer_rao(network_of(smooth), frictional=False).gain < 1e-5
+
+
+@pytest.mark.parametrize("noise", ["diameter", "position"])
+@pytest.mark.parametrize("delta", [1e-1, 1e-3])
+def test_optimal_is_not_beaten_by_any_linear_estimator(delta, noise):
+    """Gauss-Markov: E Eᵀ of every other map minus the bound is positive semidefinite.
+
+    Also for one made up here: the mean of gppsz and direct. Slack: 1e-6 of the largest eigenvalue,
+    the accuracy of the singular limit.
+    """
+    p = packing(grains=26, delta=delta)
+    n = network_of(p)
+    true = {"forces": p.forces, "stiffness": p.stiffness} if noise == "position" else {}
+    best = cramer_rao(n, noise, **true).covariance
+    maps = [error_map(n, m, noise, **true).matrix for m in ("gppsz", "balanced", "direct")]
+    for E in [*maps, (maps[0] + maps[2]) / 2]:
+        λ = np.linalg.eigvalsh(E @ E.T - best)
+        assert λ[0] > -1e-6 * λ[-1]
+
+
+def test_optimal_of_sizes_is_not_beaten_by_gppsz():
+    p = packing(grains=26, delta=1e-1)
+    n = network_of(p)
+    best = error_map(n, "optimal", data="sizes").covariance
+    for method in ("gppsz", "balanced"):
+        λ = np.linalg.eigvalsh(error_map(n, method).covariance - best)
+        assert λ[0] > -1e-6 * λ[-1]
+
+
+def test_a_wrong_covariance_is_not_optimal():
+    """The negative control: weights for noise that is not there lose against the right ones, by
+    far more than the scatter, and on half of the grains' noise even against gppsz."""
+    p = packing(grains=48, delta=1e-1)
+    n, rng = network_of(p), np.random.default_rng(3)
+    σ = np.where(np.arange(48) % 2, 1e-6, 1e-3)
+    right, wrong, plain = [], [], []
+    for _ in range(40):
+        noisy = n.with_sizes(n.radii + σ * rng.standard_normal(48))
+        for errors, variances in ((right, σ**2), (wrong, σ[::-1] ** 2)):
+            found = reconstruct(noisy, p.stiffness, "optimal", covariance=variances)
+            errors.append(relative_error(found.forces, p.forces))
+        plain.append(relative_error(reconstruct(noisy, p.stiffness).forces, p.forces))
+    assert np.mean(right) < np.mean(plain)
+    assert np.mean(wrong) > 2 * np.mean(right)
+    assert np.mean(wrong) > np.mean(plain)
+
+
+@pytest.mark.parametrize("noise", ["diameter", "position"])
+def test_optimal_is_unbiased_with_the_covariance_it_claims(noise):
+    """60 draws: the mean error is within 4 standard errors in every component, and the mean square
+    matches the bound within 4 standard errors of the sample. ξ²/Δ = 1e-4 Δ is below both."""
+    p = packing(delta=1e-1)
+    n, rng, draws = network_of(p), np.random.default_rng(0), 60
+    xi = 1e-3 * p.delta
+    true = {"forces": p.forces, "stiffness": p.stiffness} if noise == "position" else {}
+    bound = cramer_rao(n, noise, **true)
+    errors = np.array([
+        reconstruct(perturb(n, xi, rng, noise), p.stiffness, "optimal", xi=xi, noise=noise).forces
+        - p.forces for _ in range(draws)
+    ]) / (p.stiffness * xi)  # fmt: skip
+    z = errors.mean(axis=0) / (bound.per_component / np.sqrt(draws))
+    assert np.abs(z).max() < 4.5
+    assert np.mean(z**2) == pytest.approx(1, abs=0.5)
+    squares = np.mean(errors**2, axis=1)
+    bar = squares.std() / np.sqrt(draws)
+    assert abs(squares.mean() - bound.gain**2) < 4 * bar
+    assert abs(squares.mean() - 1.3 * bound.gain**2) > 4 * bar  # the sample can tell
+    gppsz = error_map(n, "gppsz", noise, **true)
+    assert gppsz.gain > 1.05 * bound.gain
+
+
+def test_bias_grows_with_the_square_of_the_noise():
+    """Mean error of `optimal` under ±ξη pairs, in which the linear part cancels: slope 2 in ξ."""
+    p = packing(delta=1e-2)
+    n, rng = network_of(p), np.random.default_rng(5)
+    η = rng.standard_normal((4, *n.positions.shape))
+    xis, bias = p.delta * np.array([0.01, 0.03, 0.1]), []
+    for xi in xis:
+        total = 0.0
+        for u in η:
+            pair = []
+            for sign in (1, -1):
+                moved = ContactNetwork(
+                    n.positions + sign * xi * u, n.radii, n.pairs, cell=n.cell, images=n.images
+                )
+                found = reconstruct(moved, p.stiffness, "optimal", xi=xi, noise="position")
+                pair.append(found.forces)
+            total = total + (pair[0] + pair[1]) / 2 - p.forces
+        bias.append(np.sqrt(np.mean((total / len(η)) ** 2)))
+    slope = np.polyfit(np.log(xis), np.log(bias), 1)[0]
+    assert slope == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("delta", [1e-1, 1e-3, 1e-5])
+def test_open_clusters_leave_the_global_moment_free(delta):
+    """Position noise on an open network: the error is O(ξ), not O(ξ/Δ) times more, at every Δ."""
+    truth = loaded(periodic(100, delta=delta))
+    mask = np.linalg.norm(truth.network.positions - 5, axis=1) < 3.5
+    n = truth.network
+    while (
+        lonely := mask
+        & (np.bincount(n.pairs[mask[n.pairs].all(axis=1)].ravel(), minlength=n.grains) < 1)
+    ).any():
+        mask &= ~lonely
+    f = truth.forces.reshape(2, -1)
+    n = truth.network.inside(mask, *f)
+    true = f[:, n.contact_index].ravel()
+    assert n.cell is None
+    xi = 1e-3 * delta
+    errors = {}
+    for method, more in (("balanced", {}), ("optimal", {"xi": xi, "noise": "position"})):
+        exact = reconstruct(n, 1.0, method, **more)
+        smallest = force_equation(n).conditioning.smallest
+        assert relative_error(exact.forces, true) < 1e3 * EPS / delta / smallest
+        noisy = perturb(n, xi, np.random.default_rng(0), "position")
+        errors[method] = relative_error(reconstruct(noisy, 1.0, method, **more).forces, true)
+    assert errors["optimal"] < 1e-2
+    assert errors["balanced"] < 1e-2
+
+
+def test_rhombus_balanced_by_hand():
+    """One self-stress, fixed by the two triangles' closure: balanced = gppsz when data are exact,
+    and differ when they are not; balanced then still balances, gppsz does not."""
+    truth = loaded(rhombus(0.505))
+    noisy = perturb(truth.network, 1e-3, np.random.default_rng(0))
+    kept = reconstruct(noisy, 1.0, "balanced")
+    equation = force_equation(noisy)
+    moment = reconstruct(noisy, 1.0)
+    imbalance = [equation.M @ r.forces - equation.balance_rhs() for r in (kept, moment)]
+    size = mean_force(truth.forces)
+    # Forces balance to rounding; the moment of the whole, O(Δ) and left free, is all that remains.
+    assert np.linalg.norm(imbalance[0]) < 0.2 * np.linalg.norm(imbalance[1])
+    assert np.linalg.norm(imbalance[1]) > 1e-3 * size
+
+
+# --- intervals ------------------------------------------------------------------------------
+
+
+def test_intervals_enclose_the_truth_and_narrow_with_the_data():
+    """90 % intervals at ξ = Δ enclose between 75 and 99 % of the true forces (4 packings of 400
+    correlated forces); at ξ = 0.1 Δ they are narrower; a level of 30 % encloses fewer."""
+    covered, widths, low_level = [], {0.1: [], 1.0: []}, []
+    for seed in (1, 2):
+        p = packing(delta=1e-2, seed=seed)
+        for ratio in widths:
+            xi = ratio * p.delta
+            noisy = perturb(network_of(p), xi, np.random.default_rng(seed), "position")
+            problem = posterior(
+                noisy, p.stiffness, p.friction, sources(noisy, "position", xi=xi),
+                pressure=p.pressure,
+            )  # fmt: skip
+            rng = np.random.default_rng(seed)
+            low, high = credible_intervals(problem, rng, draws=20, level=0.9)
+            widths[ratio].append(np.mean(high - low))
+            if ratio == 1.0:
+                slack = 1e-6 * p.normal_forces.mean()
+                covered.append(coverage(low, high, p.forces, slack))
+                rng = np.random.default_rng(seed)
+                low, high = credible_intervals(problem, rng, draws=20, level=0.3)
+                low_level.append(coverage(low, high, p.forces, slack))
+    assert 0.75 < np.mean(covered) < 0.99
+    assert np.mean(low_level) < np.mean(covered) - 0.2
+    assert np.mean(widths[0.1]) < 0.5 * np.mean(widths[1.0])
+
+
+def test_intervals_refuse_too_few_draws():
+    p = packing()
+    problem = posterior(network_of(p), 1.0, 0.3, None, pressure=p.pressure, prior=Prior())
+    with pytest.raises(ValueError, match=r"cannot resolve tails of 0\.05; take at least 20"):
+        credible_intervals(problem, np.random.default_rng(0), draws=10)
+    with pytest.raises(ValueError, match="level = 1"):
+        credible_intervals(problem, np.random.default_rng(0), level=1)
