@@ -12,6 +12,7 @@ export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
 
 RUN = .venv/bin/python
+comma := ,
 TEST = .venv-test/bin/python
 INSTALL = -m pip install --quiet --disable-pip-version-check --editable
 
@@ -35,10 +36,12 @@ notebooks: .venv-test/ready
 bench: .venv/ready-full
 	$(RUN) benchmarks/step_cost.py
 	$(RUN) benchmarks/relaxation.py
+	$(RUN) benchmarks/estimators.py
+	$(RUN) benchmarks/million_grains.py
 
 .venv/ready .venv/ready-full: pyproject.toml
 	test -x $(RUN) || $(PYTHON) -m venv .venv
-	$(RUN) $(INSTALL) ".$(if $(findstring full,$@),[fast])"
+	$(RUN) $(INSTALL) ".[convex$(if $(findstring full,$@),$(comma)fast)]"
 	touch $@
 
 .venv-test/ready: pyproject.toml

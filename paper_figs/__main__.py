@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import time
 
-from paper_figs import fig1, fig2, fig3, table1
+from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7, table1
 from paper_figs.packings import FULL, QUICK, ROOT, prepare
 from paper_figs.style import write, write_table
 
@@ -26,10 +26,18 @@ def main() -> None:
     errors = fig1.compute(packings, edition)
     chains = fig3.compute(packings, edition)
     loops = fig2.compute(packings, edition)
+    estimates = fig4.compute(packings, edition)
+    gains = fig5.compute(packings, edition)
+    who = fig6.compute(packings, edition)
+    mistakes = fig7.compute(packings, edition)
     for figure, table, drawn in (
         (fig1, errors, fig1.plot(errors)),
         (fig2, loops, fig2.plot(loops)),
         (fig3, chains, fig3.plot(chains, fig3.choose(packings))),
+        (fig4, estimates, fig4.plot(estimates)),
+        (fig5, gains, fig5.plot(gains)),
+        (fig6, who, fig6.plot(who, fig6.choose(packings))),
+        (fig7, mistakes, fig7.plot(mistakes)),
     ):
         name = figure.__name__.split(".")[-1]
         facts = figure.facts(packings, edition)
@@ -40,6 +48,7 @@ def main() -> None:
     write_table(edition.folder / "table1.csv", rows, facts)
     report(f"PNG, PDF and CSV are in {edition.folder.relative_to(ROOT)}/")
     print("\n" + table1.text(rows, fits))
+    print("\n" + fig4.text(estimates))
 
 
 if __name__ == "__main__":

@@ -49,7 +49,7 @@ TABLE = np.dtype(
 
 def chosen(packings: Sequence[Packing], edition: Edition) -> list[list[Packing]]:
     """Per Δ, the first half of its packings."""
-    count = (edition.packings + 1) // 2
+    count = max(2, edition.packings // 2)
     return [[p for p in packings if p.delta == d][:count] for d in DELTAS]
 
 

@@ -55,7 +55,7 @@ def row(p: Packing) -> tuple:
 
 def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     """One row per packing, half of those of each Δ."""
-    count = (edition.packings + 1) // 2
+    count = max(2, edition.packings // 2)
     some = [p for d in DELTAS for p in [q for q in packings if q.delta == d][:count]]
     return np.array([row(p) for p in some], TABLE)
 

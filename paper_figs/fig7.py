@@ -1,10 +1,10 @@
 """Fig. 7: what breaks first in an experiment.
 
 (a) Contacts read off noisy positions: false and missed ones at the threshold that gets
-fewest wrong, as fractions of the true number.  (b) The error with the list known, and inferred: for
-gppsz with that threshold; for `bounded`, whose contacts may then be open, with the best of
-several (none is feasible where too many contacts are missed).  (c) A wrong scale of the
-radii, and rounding; the CSV also has spread stiffness.
+fewest wrong, as fractions of the true number.  (b) The error with the list known, and
+inferred: for gppsz with that threshold; for `bounded`, whose contacts may then be open, with
+the best of several (none is feasible where too many contacts are missed).  (c) A wrong scale
+of the radii, and rounding; the CSV also has spread stiffness.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ TABLE = np.dtype(
 def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     """Long table: per study, Δ, strength over Δ and method (or kind of mistake), the rms value
     over packings, its standard deviation, and how many gave one."""
-    count = (edition.packings + 1) // 2
+    count = max(2, edition.packings // 2)
     groups = {d: [p for p in packings if p.delta == d][:count] for d in DELTAS}
     ratios = (0.1, 1.0, 10.0, 100.0) if edition.per_decade == 1 else np.logspace(-1, 2, 7)
     found: dict[tuple, list[float]] = {}

@@ -1,0 +1,177 @@
+"""Error maps against sampling: gains, contacts, worst pattern, distribution, covariances."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaling import (
+    ContactNetwork,
+    amplification_of,
+    error_map,
+    gain,
+    mean_force,
+    perturb,
+    reconstruct,
+)
+from scaling.error_theory import LINEAR
+from tests.conftest import packing
+from tests.scaling.networks import loaded, triangle
+
+
+def network_of(p):
+    return ContactNetwork.from_packing(p)
+
+
+def given(p, noise):
+    return {"forces": p.forces, "stiffness": p.stiffness} if noise == "position" else {}
+
+
+@pytest.mark.parametrize("noise", ["diameter", "radius", "relative", "position"])
+@pytest.mark.parametrize("method", ["gppsz", "direct", "transverse"])
+def test_map_agrees_with_the_gain_computed_otherwise(method, noise):
+    p = packing()
+    if method == "transverse" and noise != "position":
+        assert error_map(network_of(p), method, noise).gain == 0
+        return
+    E = error_map(network_of(p), method, noise, **given(p, noise))
+    assert E.gain == pytest.approx(gain(network_of(p), method, noise, **given(p, noise)), rel=1e-9)
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.0])
+@pytest.mark.parametrize("noise", ["diameter", "position"])
+@pytest.mark.parametrize("method", ["gppsz", "direct", "balanced", "optimal"])
+def test_one_draw_is_the_map_applied_to_its_noise(method, noise, friction):
+    """δf = κ ξ E η up to second order: at ξ = 1e-4 Δ the remainder is ~1e-4 of it (position),
+    and rounding for noise on sizes; where the map vanishes, so does the error."""
+    p = packing(delta=1e-1, friction=friction)
+    n, xi, frictional = network_of(p), 1e-5, friction > 0
+    E = error_map(n, method, noise, frictional=frictional, **given(p, noise))
+    η = np.random.default_rng(2).standard_normal(
+        (2, n.grains) if noise == "position" else n.grains
+    )
+    η = η.T.ravel() if noise == "position" else η
+    noisy = perturb(n, xi, np.random.default_rng(2), noise)
+    if noise == "position":  # perturb draws (N, 2); the map counts x before y
+        η = ((noisy.positions - n.positions) / (xi * n.mean_diameter)).T.ravel()
+    more = {"xi": xi, "noise": noise} if method == "optimal" else {}
+    found = reconstruct(noisy, p.stiffness, method, frictional=frictional, **more)
+    expected = p.stiffness * xi * E.respond(η[:, None])[:, 0]
+    slack = 1e-3 * np.abs(expected).max() if noise == "position" else 0
+    assert np.abs(found.forces - p.forces - expected).max() <= slack + 1e-9 * p.pressure
+
+
+@pytest.mark.parametrize("method", LINEAR)
+def test_estimated_gain_has_an_honest_bar(method):
+    """Over 40 seeds, (estimate - exact)/bar has a mean square between 0.5 and 2.5 (Student's t
+    with 9 degrees of freedom: 1.29)."""
+    p = packing(delta=1e-1)
+    E = error_map(network_of(p), method, "position", **given(p, "position"))
+    scores = []
+    for seed in range(40):
+        K, bar = E.estimated_gain(np.random.default_rng(seed), 10)
+        scores.append((K - E.gain) / bar)
+    assert 0.5 < np.mean(np.square(scores)) < 2.5
+    with pytest.raises(ValueError, match="probes = 1"):
+        E.estimated_gain(np.random.default_rng(0), 1)
+
+
+def test_error_of_each_contact_by_sampling():
+    """400 draws: per component, sampled over exact mean square is 1 within 4.5 standard errors."""
+    p = packing()
+    n, rng, xi = network_of(p), np.random.default_rng(0), 1e-3 * p.delta
+    E = error_map(n)
+    draws = np.array(
+        [reconstruct(perturb(n, xi, rng), p.stiffness).forces - p.forces for _ in range(400)]
+    ) / (p.stiffness * xi)
+    ratio = np.mean(draws**2, axis=0) / E.per_component**2
+    assert np.abs(ratio - 1).max() < 4.5 * np.sqrt(2 / 400)
+    assert E.per_contact == pytest.approx(np.hypot(*E.per_component.reshape(2, -1)))
+    assert E.per_contact.max() > 1.1 * E.per_contact.min()
+
+
+def test_worst_pattern_is_worse_than_any_draw():
+    p = packing()
+    E = error_map(network_of(p))
+    s, η, δf = E.worst_pattern()
+    assert np.linalg.norm(η) == pytest.approx(1)
+    assert np.linalg.norm(δf) == pytest.approx(s)
+    assert np.linalg.norm(E.respond(η[:, None])[:, 0] - δf) < 1e-9 * s
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        other = rng.standard_normal(E.sources)
+        other /= np.linalg.norm(other)
+        assert np.linalg.norm(E.respond(other[:, None])) < s
+
+
+def test_distribution_of_the_error():
+    """Quantiles of E over 2000 actual noise draws against the ones from the singular values:
+    within 4 standard errors of a quantile; mean square and spread by their formulas."""
+    p = packing()
+    E = error_map(network_of(p))
+    rng = np.random.default_rng(3)
+    actual = np.sqrt(np.mean(E.respond(rng.standard_normal((E.sources, 2000))) ** 2, axis=0))
+    drawn = E.sample(rng, 20000)
+    for q in (0.1, 0.5, 0.9):
+        below = np.mean(actual < np.quantile(drawn, q))
+        assert abs(below - q) < 4 * np.sqrt(q * (1 - q) / 2000)
+    squares = drawn**2
+    assert squares.mean() == pytest.approx(E.gain**2, rel=4 * E.relative_spread() / np.sqrt(20000))
+    assert squares.std() / squares.mean() == pytest.approx(E.relative_spread(), rel=0.1)
+
+
+def test_any_covariance():
+    """Correlated sizes: E with L = chol Σ is the map of unit noise times L. Dense, sparse and
+    diagonal forms of one covariance agree; a block of zeros means exact data."""
+    p = packing(grains=20)
+    n, rng = network_of(p), np.random.default_rng(0)
+    A = rng.standard_normal((20, 20))
+    Σ = A @ A.T
+    plain = error_map(n, "gppsz", "radius").matrix / n.mean_diameter
+    found = error_map(n, covariance=Σ)
+    scale = np.sqrt(np.trace(Σ) / 20)
+    assert found.covariance * scale**2 == pytest.approx(plain @ Σ @ plain.T, rel=1e-6, abs=1e-9)
+    variances = np.full(20, 0.25)
+    joint = np.concatenate([variances, np.zeros(40)])
+    for form in (variances, np.diag(variances), joint, np.diag(joint)):
+        E = error_map(n, covariance=form)
+        assert E.gain * 0.5 == pytest.approx(
+            error_map(n, "gppsz", "radius").gain / n.mean_diameter / 2
+        )
+
+
+def test_amplification_of_the_new_methods():
+    p = packing(delta=1e-2)
+    E = error_map(network_of(p), "balanced")
+    C = E.gain * p.pressure / mean_force(p.forces)
+    assert amplification_of(p, "balanced") == pytest.approx(C)
+    assert amplification_of(p, "optimal") < 1e-4 * C
+
+
+def test_triangle_by_hand():
+    """Three equal disks have no self-stress: equilibrium decides alone. Balanced: no error up to
+    the free global moment, which turns all f_t together."""
+    truth = loaded(triangle(side=0.99))
+    E = error_map(truth.network, "balanced")
+    assert E.gain < 1 < 10 * error_map(truth.network).gain
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"method": "bounded"}, "'bounded' has no linear error map"),
+        ({"data": "sizes"}, "'gppsz' does not use data='sizes'"),
+        ({"method": "balanced", "solver": "lsmr"}, "'balanced' does not use solver"),
+        ({"method": "transverse", "frictional": False}, "frictional=False has none"),
+        ({"forces": np.ones(6)}, "forces and stiffness are not used"),
+        ({"noise": "position", "stiffness": 1.0}, "stiffness is not used without forces"),
+        ({"noise": "thermal"}, "noise 'thermal' is unknown"),
+        (
+            {"method": "optimal", "data": "sizes", "noise": "position"},
+            "position noise needs data='all'",
+        ),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        error_map(loaded(triangle(0.99)).network, **arguments)

@@ -1,0 +1,224 @@
+"""What an experiment adds: inferred contacts, wrong scales, rounding, stiffness; large tilings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaling import (
+    ContactNetwork,
+    amplification_of,
+    error_map,
+    infer_contacts,
+    perturb,
+    reconstruct,
+    relative_error,
+    rescaled,
+    rounded,
+    stiffness_response,
+    tiled,
+    tiled_forces,
+)
+from scaling.bounded import bounded_forces, posterior
+from scaling.detection import confusion, list_error
+from scaling.sources import sources
+from tests.conftest import packing
+from tests.scaling.networks import loaded, periodic
+
+
+def network_of(p):
+    return ContactNetwork.from_packing(p)
+
+
+# --- contacts -------------------------------------------------------------------------------
+
+
+def test_two_disks_and_a_gap():
+    """Centres 1.1 apart, radii 0.5: gap 0.1. A contact for thresholds above it, not below."""
+    x, R = [[0, 0], [1.1, 0]], [0.5, 0.5]
+    assert len(infer_contacts(x, R, 0.09)[0]) == 0
+    pairs, images = infer_contacts(x, R, 0.11)
+    assert pairs.tolist() == [[0, 1]]
+    assert images.tolist() == [[0, 0]]
+    assert len(infer_contacts(x, R, -5.0)[0]) == 0
+
+
+def test_a_grain_touches_its_own_image():
+    """One disk of diameter 1 in a 0.98 × 3 cell: one contact, with itself, image (1, 0)."""
+    pairs, images = infer_contacts([[0.2, 7.1]], [0.5], cell=[[0.98, 0], [0, 3]])
+    assert pairs.tolist() == [[0, 0]]
+    assert images.tolist() == [[1, 0]]
+
+
+@pytest.mark.parametrize("delta", [1e-1, 1e-3, 1e-5])
+def test_exact_geometry_shows_the_contacts(delta):
+    """At threshold 0 the pairs are those of the packing, and so are their distances, also for
+    grains placed at other images; extra pairs are among rattlers only."""
+    p = packing(delta=delta)
+    jump = np.random.default_rng(0).integers(-2, 3, p.positions.shape)
+    moved = p.positions + jump @ p.cell
+    pairs, images = infer_contacts(moved, p.radii, 0.0, cell=p.cell)
+    i, j = pairs.T
+    back = images + jump[j] - jump[i]
+    found, true = confusion(pairs, back, p.pairs, p.images)
+    assert len(true) == len(p.pairs)
+    extra = np.setdiff1d(np.arange(len(pairs)), found)
+    assert p.rattlers[pairs[extra]].any(axis=1).all()
+    n = ContactNetwork(moved, p.radii, pairs, cell=p.cell, images=images)
+    expected = network_of(p).distances[true]
+    assert n.distances[found] == pytest.approx(expected, abs=1e-12)
+
+
+def test_sheared_cells_show_the_same_contacts():
+    p = packing()
+    change = np.array([[1, 3], [0, 1]])
+    straight = infer_contacts(p.positions, p.radii, cell=p.cell)[0]
+    sheared = infer_contacts(p.positions, p.radii, cell=change @ p.cell)[0]
+    assert sorted(map(tuple, sheared)) == sorted(map(tuple, straight))
+
+
+def test_mistakes_grow_with_noise():
+    """False and missed contacts at the best of five thresholds: few for ξ = 0.1 Δ (below 4 %),
+    many at 100 Δ (above 8 %)."""
+    p = packing(delta=1e-4)
+    wrong = []
+    for ratio in (0.1, 100.0):
+        noisy = perturb(network_of(p), ratio * p.delta, np.random.default_rng(0), "position")
+        counts = []
+        for t in (0.0, 0.5, 1.0, 2.0, 3.0):
+            h = t * max(ratio, 0.3) * p.delta * np.sqrt(2)
+            pairs, images = infer_contacts(noisy.positions, noisy.radii, h, cell=p.cell)
+            both = len(confusion(pairs, images, p.pairs, p.images)[0])
+            counts.append(len(pairs) + len(p.pairs) - 2 * both)
+        wrong.append(min(counts) / len(p.pairs))
+    assert wrong[0] < 0.04
+    assert wrong[1] > 0.08
+
+
+def test_list_error_by_hand():
+    """True contacts 0 and 1 with f_n = 1; found: 0 with 2 and a false one with 1; missed: 1.
+    Union of three, squares 1 + 1 + 1, E = √(3/6)."""
+    matched = np.array([0]), np.array([0])
+    error = list_error(np.array([2.0, 1, 0, 0]), np.array([1.0, 1, 0, 0]), matched)
+    assert error == pytest.approx(np.sqrt(0.5))
+
+
+def test_open_contacts_carry_nothing_and_cost_little():
+    """A false contact, 5 Δ open, at ξ = Δ: with gaps allowed it stays below a tenth of f̄, and
+    the error is within a factor 2 of that with the list known."""
+    p = packing(delta=1e-3)
+    n, xi = network_of(p), p.delta
+    noisy = perturb(n, xi, np.random.default_rng(1), "position")
+    pairs, images = infer_contacts(p.positions, p.radii, 0.3, cell=p.cell)
+    gaps = ContactNetwork(p.positions, p.radii, pairs, cell=p.cell, images=images).overlaps
+    alive = ~p.rattlers[pairs].any(axis=1)
+    false = np.flatnonzero((gaps < -5 * p.delta) & alive)
+    chosen = false[np.argmax(gaps[false])]
+    larger = ContactNetwork(
+        noisy.positions, noisy.radii, np.vstack([p.pairs, pairs[chosen]]),
+        cell=p.cell, images=np.vstack([p.images, images[chosen]]),
+    )  # fmt: skip
+
+    def solved(network, gaps):
+        noise = sources(network, "position", xi=xi)
+        return bounded_forces(posterior(network, p.stiffness, p.friction, noise,
+                                        pressure=p.pressure, gaps=gaps))[0]  # fmt: skip
+
+    known, open_ = solved(noisy, False), solved(larger, True)
+    c = len(p.pairs)
+    assert open_[c] < 0.1 * p.normal_forces.mean()
+    kept = np.delete(open_, [c, 2 * c + 1])
+    assert relative_error(kept, p.forces) < 2 * relative_error(known, p.forces)
+
+
+# --- calibration ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("delta", [1e-2, 1e-4])
+def test_a_common_scale_harms_direct_but_not_gppsz(delta):
+    """ε = Δ on all radii: gppsz errs by ~ε, `direct` by ~1; so it does for ε on positions."""
+    p = packing(delta=delta)
+    off = rescaled(network_of(p), radii=delta)
+    errors = {
+        m: relative_error(reconstruct(off, p.stiffness, m).forces, p.forces)
+        for m in ("gppsz", "direct")
+    }
+    assert 0.3 * delta < errors["gppsz"] < 3 * delta
+    assert 0.3 < errors["direct"] < 3
+    stretched = rescaled(network_of(p), positions=delta)
+    error = relative_error(reconstruct(stretched, p.stiffness, "direct").forces, p.forces)
+    assert 0.3 < error < 3
+    with pytest.raises(ValueError, match="scale error -1"):
+        rescaled(off, radii=-1.0)
+
+
+@pytest.mark.parametrize("delta", [1e-2, 1e-4])
+def test_rounding_is_noise(delta):
+    """Radii to k digits: E is C ξ/Δ with ξ = 2·10⁻ᵏ/√12 on diameters, within the scatter of
+    one draw (a factor 1.5); not a factor of 10 off, as with one digit fewer."""
+    p = packing(delta=delta)
+    C = amplification_of(p)
+    for digits in (3, 4, 5):
+        ξ = 2 * 10.0**-digits / np.sqrt(12) / p.radii.mean() / 2
+        found = reconstruct(rounded(network_of(p), digits, positions=False), p.stiffness)
+        error = relative_error(found.forces, p.forces)
+        assert 1 / 1.5 < error / (C * ξ / delta) < 1.5
+    both = rounded(network_of(p), 12)
+    assert relative_error(reconstruct(both, p.stiffness).forces, p.forces) < 1e-11 / delta
+
+
+@pytest.mark.parametrize("delta", [1e-2, 1e-5])
+def test_spread_stiffness_costs_its_spread_at_any_delta(delta):
+    """Truth first: forces κ_e δ_e with 1 % spread. gppsz with one κ errs by the response, and by
+    between 0.1 and 1 times the spread whatever Δ; exactly: sizes that κ would need."""
+    network = periodic(64, delta=delta)
+    rng, s = np.random.default_rng(4), 0.01
+    ζ = s * rng.standard_normal(network.contacts)
+    soft = loaded(network)
+    f = soft.forces.copy()
+    f[: network.contacts] *= 1 + ζ
+    from scaling import force_equation
+
+    equation = force_equation(network)
+    external = np.zeros((network.grains, 3))
+    load = -(equation.M @ f).reshape(3, -1)
+    external[network.active] = load.T
+    external[network.active, 2] *= network.radii[network.active]
+    truth = network.with_sizes(network.radii, external)
+    found = reconstruct(truth, 1.0).forces
+    expected = stiffness_response(truth, f, ζ)
+    error = relative_error(found, f)
+    assert np.abs(found - f - expected).max() < 5 * s * np.abs(expected).max()
+    assert 0.1 * s < error < s
+
+
+# --- many grains ----------------------------------------------------------------------------
+
+
+def test_tiling_repeats_the_packing():
+    """3 × 3 copies: counts, distances, exact reconstruction, and a gain within a quarter: of 26
+    grains the closures round the cell, which G has not, are a noticeable part."""
+    p = packing(grains=26)
+    n = network_of(p)
+    big = tiled(n, 3)
+    assert (big.grains, big.contacts, big.faces) == (9 * 26, 9 * n.contacts, 9 * n.faces)
+    assert big.distances == pytest.approx(np.tile(n.distances, 9), abs=1e-12)
+    forces = tiled_forces(n, p.forces, 3)
+    assert relative_error(reconstruct(big, p.stiffness).forces, forces) < 1e-8
+    K, bar = error_map(big, solver="lsmr", tol=1e-6).estimated_gain(np.random.default_rng(0), 8)
+    assert pytest.approx(error_map(big).gain, abs=4 * bar) == K
+    assert pytest.approx(error_map(n).gain, rel=0.25) == K
+    with pytest.raises(ValueError, match="copies = 0"):
+        tiled(n, 0)
+    with pytest.raises(ValueError, match="cannot be tiled"):
+        tiled(loaded(periodic(100)).network.inside(np.arange(0), [0.0] * 210), 2)
+
+
+def test_tiling_a_cell_of_one_grain():
+    """A square lattice from one grain that touches its own images."""
+    one = ContactNetwork([[0.0, 0.0]], [0.5], [(0, 0), (0, 0)], cell=np.eye(2),
+                         images=[(1, 0), (0, 1)])  # fmt: skip
+    big = tiled(one, 4)
+    assert big.contacts == 32
+    assert (big.degrees == 4).all()
+    assert big.distances == pytest.approx(1)
