@@ -138,7 +138,7 @@ def test_figure_5_finds_the_laws(packings, tmp_path):
     assert spread["gppsz K² / hyperstaticity"] > 0.25
     assert spread["bound (positions) K / hyperstaticity"] < 0.25
     assert spread["bound (positions) K² / hyperstaticity"] > 0.4
-    assert fig5.laws(table)["gppsz K² / loops per contact"][0] == pytest.approx(0.5, abs=0.1)
+    assert fig5.laws(table)["gppsz K² / loops per contact"][0] == pytest.approx(0.5, abs=0.2)
     paths = write(fig5.plot(table), tmp_path, "fig5", table, fig5.facts(packings, SMALL))
     assert len(read(paths[2])[1]) == len(table)
 
