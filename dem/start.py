@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dem.neighbours import find_neighbours
+from dem.neighbours import Neighbours, find_neighbours
 from dem.scene import Scene
 from dem.state import State
 
@@ -18,6 +18,8 @@ LOOSE_FRACTION = 0.70
 #: Grains are pushed to this multiple of touching, so that the last pushes end at a finite gap.
 CLEARANCE = 1.004
 SWEEPS = 20_000
+#: Neighbours are looked for again when a grain has moved half of this.
+LIST_WIDTH = 0.15
 
 
 def loose_state(scene: Scene, rng: np.random.Generator) -> State:
@@ -31,8 +33,13 @@ def loose_state(scene: Scene, rng: np.random.Generator) -> State:
     area = np.pi * np.sum(radii**2) / LOOSE_FRACTION
     sides = np.sqrt(area) * np.array([scene.aspect**0.5, scene.aspect**-0.5])
     state = State(rng.uniform(0, 1, (scene.grains, 2)) * sides, radii, cell=np.diag(sides))
+    z = state.positions.view(complex)[:, 0]
+    near = None
     for _ in range(SWEEPS):
-        if not _push_apart(state):
+        # A list wider than needed adds zeros only: the start does not depend on its width.
+        if near is None or np.abs(z - near.origin).max() > 0.5 * LIST_WIDTH:
+            near = find_neighbours(state, LIST_WIDTH + (CLEARANCE - 1) * 2 * state.radii.max())
+        if not _push_apart(z, near):
             return state
     raise ValueError(
         f"{scene.grains} grains of polydispersity {spread} found no loose start "
@@ -40,10 +47,8 @@ def loose_state(scene: Scene, rng: np.random.Generator) -> State:
     )
 
 
-def _push_apart(state: State) -> bool:
-    """One sweep; False when nothing overlaps any more."""
-    near = find_neighbours(state, (CLEARANCE - 1) * 2 * float(state.radii.max()))
-    z = state.positions.view(complex)[:, 0]
+def _push_apart(z: np.ndarray, near: Neighbours) -> bool:
+    """One sweep over the positions ``z``; False when nothing overlaps any more."""
     i, j = near.columns
     d = z[j] - z[i] + near.shift
     r = np.abs(d)
