@@ -23,7 +23,7 @@ from scaling import ContactNetwork, reconstruct, relative_error
 #: Inertial times after which a packing counts as not coming to rest (defaults need 10 to 80).
 LONGEST = 300.0
 KNOBS: dict[str, list[dict[str, Any]]] = {
-    "time_step": [{"time_step": v} for v in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5)],
+    "time_step": [{"time_step": v} for v in (0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)],
     "drag": [{"drag": v} for v in (0.1, 0.3, 1.0, 3.0, 10.0)],
     "dashpot": [{"dashpot": v} for v in (0.0, 0.01, 0.1, 1.0)],
     "velocity_tolerance": [{"velocity_tolerance": 10.0**-k} for k in range(1, 8)],

