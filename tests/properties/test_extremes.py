@@ -11,7 +11,7 @@ import pytest
 from hypothesis import example, given, target
 from hypothesis import strategies as st
 
-from dem import NotRelaxed, Packing, Scene, Settings, relax
+from dem import NotRelaxed, Packing, Scene, Settings, refine, relax
 from scaling import ContactNetwork, force_equation, reconstruct, relative_error
 from tests.properties.test_reconstruction import rounding
 from tests.scaling.networks import lattice, loaded
@@ -38,7 +38,12 @@ def right_or_refused(scene: Scene, seed: int) -> tuple[Packing | None, float]:
             raise
         return p, 0.0
     error = np.abs(found.forces - p.forces).max() / p.pressure
-    worst = float(error / rounding(p))
+    # Positions may lag behind the polished forces: the polish stops moving them at a residual of
+    # 200 ε L, which 1/σ_min turns into overlaps.
+    lag = np.abs(p.normal_forces - p.stiffness * p.overlaps).max()
+    smallest = force_equation(network, p.friction > 0).conditioning.smallest
+    assert lag <= 200 * EPS * p.cell.max() / min(smallest, 1)
+    worst = float(error / (rounding(p) * (1 + 0.1 * lag / (EPS * p.cell.max()))))
     assert worst <= 1
     return p, worst
 
@@ -55,6 +60,8 @@ def right_or_refused(scene: Scene, seed: int) -> tuple[Packing | None, float]:
 @example(64, 0.2, 10.0, 0.6, 2.0, 3)
 @example(64, 1e-4, 0.0, 0.6, 1.0, 2)
 @example(20, 1e-2, 1e-3, 0.0, 1.0, 0)
+@example(64, 1e-4, 0.0, 0.3, 1.0, 22)  # found: positions 66 ε L behind the forces
+@example(64, 1e-4, 0.0, 0.3, 2.0, 22)  # found: 105 ε L
 def test_extreme_scenes_are_right_or_refused(grains, delta, friction, spread, aspect, seed):
     scene = Scene(grains, delta, friction=friction, polydispersity=spread, aspect=aspect)
     _, worst = right_or_refused(scene, seed)
@@ -77,6 +84,15 @@ def test_extreme_scenes_that_must_work(scene, band):
     p, _ = right_or_refused(scene, 1)
     assert p is not None
     assert band[0] < p.coordination < band[1]
+
+
+def test_refining_brings_positions_up_to_the_forces():
+    """The worst case found above: f_n - κ overlap 66 ε L, E 1e-9; refined, both are round-off."""
+    p = relax(Scene(64, 1e-4, friction=0.0), 22, progress=False)
+    fine = refine(p)
+    found = reconstruct(ContactNetwork.from_packing(fine), 1.0, frictional=False)
+    assert np.abs(fine.normal_forces - fine.overlaps).max() <= 1e-14 * p.pressure
+    assert np.abs(found.forces - fine.forces).max() <= 1e-13 * p.pressure
 
 
 def test_same_packing_compressed_by_steps_of_pressure():
