@@ -38,7 +38,7 @@ DELTA = 1e-4
 DELTAS = (1e-6, 1e-4, 1e-2)
 SEED = 7
 THRESHOLDS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0)  # in units of √2 ξ, or 0.3 Δ if that is more
-BOUNDED_AT = (1.0, 2.0, 3.0, 4.0)
+BOUNDED_AT = (1.5, 3.0)
 DIGITS = range(1, 9)
 SCALES = (-1, 0, 1, 2, 3)  # decades of ε/Δ
 SPREADS = (0.01, 0.1)
@@ -55,7 +55,7 @@ def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     over packings, its standard deviation, and how many gave one."""
     count = max(2, edition.packings // 2)
     groups = {d: [p for p in packings if p.delta == d][:count] for d in DELTAS}
-    ratios = (0.1, 1.0, 10.0, 100.0) if edition.per_decade == 1 else np.logspace(-1, 2, 7)
+    ratios = (0.1, 1.0, 10.0, 100.0) if edition.per_decade == 1 else (0.1, 0.3, 1.0, 10.0, 100.0)
     found: dict[tuple, list[float]] = {}
     for delta, group in groups.items():
         for k, p in enumerate(group):

@@ -13,7 +13,7 @@ from scaling.data_collapse import collapse
 from scaling.detection import infer_contacts
 from scaling.equation import ForceEquation, force_equation
 from scaling.error import mean_force, relative_error
-from scaling.error_theory import ErrorMap, error_map
+from scaling.error_theory import ErrorMap, error_map, worst_pattern
 from scaling.least_squares import Conditioning
 from scaling.loops import Loops
 from scaling.network import ContactNetwork
@@ -51,4 +51,5 @@ __all__ = [
     "stress",
     "tiled",
     "tiled_forces",
+    "worst_pattern",
 ]

@@ -88,6 +88,8 @@ def collapse(
                     method,
                     frictional=frictional,
                     normal_forces=true[:c] if method == "transverse" else None,
+                    xi=ξ if method == "optimal" else None,
+                    noise=noise if method == "optimal" else "diameter",
                 )
                 error = relative_error(found.forces, true, frictional=frictional)
                 normal = relative_error(found.normal, true[:c], frictional=False)

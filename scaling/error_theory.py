@@ -168,12 +168,19 @@ def error_map(
     φ = np.zeros(equation.unknowns)
     if forces is not None:
         f = checks.finite("force", "component", forces, (equation.unknowns,))
-        φ = f / (_slope(network, f) if stiffness is None else stiffness)
+        φ = f / (slope(network, f) if stiffness is None else stiffness)
     elif stiffness is not None:
         raise ValueError("stiffness is not used without forces")
     B, D = source.overlaps(network), source.balance(network, φ)
     respond = _response(equation, method, source, B, D, φ, data, solver, tol)
     return ErrorMap(respond, source.count, network.contacts, equation.unknowns)
+
+
+def worst_pattern(
+    network: ContactNetwork, method: str = "gppsz", noise: str = "diameter", **more: Any
+) -> tuple[float, Floats, Floats]:
+    """(s, η, δf): see `ErrorMap.worst_pattern`; arguments as for `error_map`."""
+    return error_map(network, method, noise, **more).worst_pattern()
 
 
 def _response(
@@ -224,7 +231,8 @@ def _response(
     return all_data
 
 
-def _slope(network: ContactNetwork, forces: Floats) -> float:
+def slope(network: ContactNetwork, forces: Floats) -> float:
+    """κ that fits f_n = κ δ best; ValueError if that is not positive."""
     δ, fn = network.overlaps, forces[: network.contacts]
     κ = float(fn @ δ / (δ @ δ)) if δ.any() else np.nan
     if not κ > 0:

@@ -27,7 +27,7 @@ from scaling import checks
 from scaling.checks import Floats
 from scaling.equation import ForceEquation, force_equation
 from scaling.error import mean_force
-from scaling.error_theory import LINEAR, error_map
+from scaling.error_theory import LINEAR, error_map, slope
 from scaling.network import ContactNetwork
 from scaling.noise import balance_response, check_noise, distance_response, size_response
 
@@ -98,7 +98,7 @@ def _gain(
         # ξ κ drops out: everything is per unit of κ.
         balance: Any = csr_array((matrices.M.shape[0], normal.shape[1]))
         if forces is not None:
-            κ = _slope(network, forces) if stiffness is None else stiffness
+            κ = slope(network, forces) if stiffness is None else stiffness
             balance = -balance_response(network, forces) / κ
     elif method == "transverse":
         return 0.0
@@ -180,14 +180,6 @@ def is_frictional(network: ContactNetwork, forces: ArrayLike) -> bool:
     if size not in (c, 2 * c):
         raise ValueError(f"{size} forces for {c} contacts: expected {c} or {2 * c}")
     return size == 2 * c
-
-
-def _slope(network: ContactNetwork, forces: Floats) -> float:
-    δ, fn = network.overlaps, forces[: network.contacts]
-    κ = float(fn @ δ / (δ @ δ)) if δ.any() else np.nan
-    if not κ > 0:
-        raise ValueError(f"forces and overlaps give the stiffness {κ}: give it as stiffness")
-    return κ
 
 
 def _square(array: Floats) -> float:

@@ -8,11 +8,13 @@ import pytest
 from scaling import (
     ContactNetwork,
     amplification_of,
+    collapse,
     error_map,
     gain,
     mean_force,
     perturb,
     reconstruct,
+    worst_pattern,
 )
 from scaling.error_theory import LINEAR
 from tests.conftest import packing
@@ -94,6 +96,7 @@ def test_worst_pattern_is_worse_than_any_draw():
     p = packing()
     E = error_map(network_of(p))
     s, η, δf = E.worst_pattern()
+    assert worst_pattern(network_of(p))[0] == s
     assert np.linalg.norm(η) == pytest.approx(1)
     assert np.linalg.norm(δf) == pytest.approx(s)
     assert np.linalg.norm(E.respond(η[:, None])[:, 0] - δf) < 1e-9 * s
@@ -146,6 +149,16 @@ def test_amplification_of_the_new_methods():
     C = E.gain * p.pressure / mean_force(p.forces)
     assert amplification_of(p, "balanced") == pytest.approx(C)
     assert amplification_of(p, "optimal") < 1e-4 * C
+
+
+@pytest.mark.parametrize("method", ["balanced", "optimal"])
+def test_new_methods_collapse_too(method):
+    """E = C ξ/Δ with the exact C, within the scatter of 20 draws (4 standard errors)."""
+    p = packing(delta=1e-2)
+    table = collapse([p], [0.01], np.random.default_rng(0), draws=20, method=method,
+                     noise="position")  # fmt: skip
+    squares = (table["error"] / table["C"] / 0.01) ** 2
+    assert abs(squares.mean() - 1) < 4 * squares.std() / np.sqrt(20)
 
 
 def test_triangle_by_hand():
