@@ -71,11 +71,18 @@ def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
             for method, values in errors.items():
                 for ratio, e in zip(RATIOS, values, strict=True):
                     rows.append((
-                        noise, group[0].delta, ratio, method, np.sqrt(np.mean(e**2)),
-                        np.std(e, ddof=1), len(group), bound * ratio,
+                        noise, group[0].delta, ratio, method, *_rms(e), bound * ratio,
                         levels[:, 0].mean(), levels[:, 1].mean(), levels[:, 1].std(ddof=1),
                     ))  # fmt: skip
     return np.array(rows, TABLE)
+
+
+def _rms(errors: np.ndarray) -> tuple[float, float, int]:
+    """Of those that were found: root mean square, standard deviation, number."""
+    e = errors[np.isfinite(errors)]
+    if len(e) == 0:
+        return np.nan, np.nan, 0
+    return float(np.sqrt(np.mean(e**2))), float(np.std(e, ddof=min(1, len(e) - 1))), len(e)
 
 
 def _errors(p: Packing, xi: float, noise: str, rng: np.random.Generator) -> dict[str, float]:
@@ -86,10 +93,17 @@ def _errors(p: Packing, xi: float, noise: str, rng: np.random.Generator) -> dict
     arguments["optimal"] = weights
     if find_spec("clarabel"):
         arguments["bounded"] = weights | limits
-    return {
-        m: relative_error(reconstruct(noisy, p.stiffness, m, **a).forces, p.forces)
-        for m, a in arguments.items()
-    }
+    errors = {}
+    for method, a in arguments.items():
+        try:
+            errors[method] = relative_error(
+                reconstruct(noisy, p.stiffness, method, **a).forces, p.forces
+            )
+        except ValueError:
+            if method != "bounded":
+                raise
+            errors[method] = np.nan  # noise in the directions can leave nothing feasible
+    return errors
 
 
 def _bound(p: Packing, noise: str) -> float:

@@ -53,7 +53,7 @@ TABLE = np.dtype(
 def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     """Long table: per study, Δ, strength over Δ and method (or kind of mistake), the rms value
     over packings, its standard deviation, and how many gave one."""
-    count = max(2, edition.packings // 2)
+    count = max(2, 3 * edition.packings // 8)
     groups = {d: [p for p in packings if p.delta == d][:count] for d in DELTAS}
     ratios = (0.1, 1.0, 10.0, 100.0) if edition.per_decade == 1 else (0.1, 0.3, 1.0, 10.0, 100.0)
     found: dict[tuple, list[float]] = {}
@@ -95,8 +95,11 @@ def _contacts(p: Packing, ratio: float, rng: np.random.Generator) -> Iterator[tu
     yield "gppsz, known", relative_error(known.forces, p.forces)
     yield "gppsz, inferred", _inferred(p, noisy, lists[best], "gppsz", {})
     if find_spec("clarabel"):
-        known = reconstruct(noisy, p.stiffness, "bounded", **weights)
-        yield "bounded, known", relative_error(known.forces, p.forces)
+        try:
+            known = reconstruct(noisy, p.stiffness, "bounded", **weights)
+            yield "bounded, known", relative_error(known.forces, p.forces)
+        except ValueError:  # noise in the directions can leave nothing feasible
+            yield "bounded, known", np.nan
         errors = [_inferred(p, noisy, lists[t], "bounded", weights) for t in BOUNDED_AT]
         yield "bounded, inferred", min(errors, key=lambda e: np.inf if np.isnan(e) else e)
 
