@@ -92,16 +92,16 @@ def _contacts(p: Packing, ratio: float, rng: np.random.Generator) -> Iterator[tu
         "xi": xi, "noise": "position", "friction": p.friction, "pressure": p.pressure,
     }  # fmt: skip
     known = reconstruct(noisy, p.stiffness)
-    yield "gppsz, known", relative_error(known.forces, p.forces)
-    yield "gppsz, inferred", _inferred(p, noisy, lists[best], "gppsz", {})
+    yield "gppsz known", relative_error(known.forces, p.forces)
+    yield "gppsz inferred", _inferred(p, noisy, lists[best], "gppsz", {})
     if find_spec("clarabel"):
         try:
             known = reconstruct(noisy, p.stiffness, "bounded", **weights)
-            yield "bounded, known", relative_error(known.forces, p.forces)
+            yield "bounded known", relative_error(known.forces, p.forces)
         except ValueError:  # noise in the directions can leave nothing feasible
-            yield "bounded, known", np.nan
+            yield "bounded known", np.nan
         errors = [_inferred(p, noisy, lists[t], "bounded", weights) for t in BOUNDED_AT]
-        yield "bounded, inferred", min(errors, key=lambda e: np.inf if np.isnan(e) else e)
+        yield "bounded inferred", min(errors, key=lambda e: np.inf if np.isnan(e) else e)
 
 
 def _inferred(
@@ -139,7 +139,7 @@ def _calibration(p: Packing, rng: np.random.Generator) -> Iterator[tuple[float, 
             off = rescaled(network, radii=ε)
             for method in ("gppsz", "direct"):
                 forces = reconstruct(off, p.stiffness, method).forces
-                yield 10.0**decade, f"scale, {method}", relative_error(forces, p.forces)
+                yield 10.0**decade, f"scale {method}", relative_error(forces, p.forces)
     for digits in DIGITS:
         ξ = 2 * 10.0**-digits / np.sqrt(12)  # of a diameter, from a radius rounded
         if 0.01 < ξ / p.delta < 1e3:
@@ -167,7 +167,7 @@ def plot(table: np.ndarray) -> Figure:
     a.legend(loc="upper left")
     for method in ("gppsz", "bounded"):
         for kind, style in (("known", "-"), ("inferred", "--")):
-            mine = np.sort(contacts[contacts["method"] == f"{method}, {kind}"], order="ratio")
+            mine = np.sort(contacts[contacts["method"] == f"{method} {kind}"], order="ratio")
             b.errorbar(
                 mine["ratio"], mine["value"], mine["value_sd"], linestyle=style, marker="o",
                 color=COLOURS[method], label=f"{method}, list {kind}", markerfacecolor="white",
@@ -177,10 +177,10 @@ def plot(table: np.ndarray) -> Figure:
     b.legend(loc="upper left")
     b.set_xlabel(r"noise on positions over deformation $\xi/\Delta$")
     calibration = table[table["study"] == "calibration"]
-    colours = {"scale, direct": "#999999", "rounding": "#0072B2", "scale, gppsz": "#D55E00"}
+    colours = {"scale direct": "#999999", "rounding": "#0072B2", "scale gppsz": "#D55E00"}
     labels = {
-        "scale, direct": "scale of radii, direct", "rounding": "rounded radii, gppsz",
-        "scale, gppsz": "scale of radii, gppsz",
+        "scale direct": "scale of radii, direct", "rounding": "rounded radii, gppsz",
+        "scale gppsz": "scale of radii, gppsz",
     }  # fmt: skip
     for name, colour in colours.items():
         for delta, marker in zip(DELTAS, MARKERS, strict=False):
@@ -197,6 +197,7 @@ def plot(table: np.ndarray) -> Figure:
         xscale="log", yscale="log", ylabel="relative error $E$",
         xlabel=r"size error over deformation, $\varepsilon/\Delta$ or $\xi/\Delta$",
     )  # fmt: skip
+    c.set_ylim(1e-8, 1e7)  # room for the legend
     c.set_title(
         r"(c) scale and rounding, $\Delta=10^{-6}$ o, $10^{-4}$ s, $10^{-2}$ D", loc="left"
     )
