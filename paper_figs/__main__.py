@@ -23,32 +23,22 @@ def main() -> None:
     report(f"{edition.name} edition: N = {edition.grains}, {edition.packings} packings per Δ")
     packings = prepare(edition)
     report("packings at rest")
-    errors = fig1.compute(packings, edition)
-    chains = fig3.compute(packings, edition)
-    loops = fig2.compute(packings, edition)
-    estimates = fig4.compute(packings, edition)
-    gains = fig5.compute(packings, edition)
-    who = fig6.compute(packings, edition)
-    mistakes = fig7.compute(packings, edition)
-    for figure, table, drawn in (
-        (fig1, errors, fig1.plot(errors)),
-        (fig2, loops, fig2.plot(loops)),
-        (fig3, chains, fig3.plot(chains, fig3.choose(packings))),
-        (fig4, estimates, fig4.plot(estimates)),
-        (fig5, gains, fig5.plot(gains)),
-        (fig6, who, fig6.plot(who, fig6.choose(packings))),
-        (fig7, mistakes, fig7.plot(mistakes)),
-    ):
+    tables = {}
+    for figure in (fig1, fig2, fig3, fig4, fig5, fig6, fig7):
         name = figure.__name__.split(".")[-1]
+        table = tables[name] = figure.compute(packings, edition)
+        shown = (figure.choose(packings),) if hasattr(figure, "choose") else ()
+        drawn = figure.plot(table, *shown)
         facts = figure.facts(packings, edition)
         report(str(write(drawn, edition.folder, name, table, facts)[0].relative_to(ROOT)))
+    errors = tables["fig1"]
     rows = table1.compute(packings, errors)
     fits = table1.fits(packings, errors)
     facts = fig1.facts(packings, edition) | {"fits": fits}
     write_table(edition.folder / "table1.csv", rows, facts)
     report(f"PNG, PDF and CSV are in {edition.folder.relative_to(ROOT)}/")
     print("\n" + table1.text(rows, fits))
-    print("\n" + fig4.text(estimates))
+    print("\n" + fig4.text(tables["fig4"]))
 
 
 if __name__ == "__main__":
