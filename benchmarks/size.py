@@ -95,7 +95,7 @@ def _clock(fn: Any, args: Any, kwargs: Any) -> Packing:
 
 
 def efficiency(
-    grains: int = 300, packings: int = 16, repeats: int = 3
+    grains: int = 300, packings: int = 96, repeats: int = 3
 ) -> tuple[list[float], list[float]]:
     """Efficiency and busy share of ``relax_ensemble`` on all cores, repeats interleaved."""
     workers = os.cpu_count() or 1

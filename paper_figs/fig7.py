@@ -199,7 +199,7 @@ def plot(table: np.ndarray) -> Figure:
     )  # fmt: skip
     c.set_ylim(1e-8, 1e7)  # room for the legend
     c.set_title(
-        r"(c) scale and rounding, $\Delta=10^{-6}$ o, $10^{-4}$ s, $10^{-2}$ D", loc="left"
+        r"(c) scale, rounding; $\Delta=10^{-6}$ ○, $10^{-4}$ □, $10^{-2}$ ◇", loc="left"
     )
     c.legend(loc="upper left")
     return figure
