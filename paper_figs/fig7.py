@@ -198,9 +198,7 @@ def plot(table: np.ndarray) -> Figure:
         xlabel=r"size error over deformation, $\varepsilon/\Delta$ or $\xi/\Delta$",
     )  # fmt: skip
     c.set_ylim(1e-8, 1e7)  # room for the legend
-    c.set_title(
-        r"(c) scale, rounding; $\Delta=10^{-6}$ ○, $10^{-4}$ □, $10^{-2}$ ◇", loc="left"
-    )
+    c.set_title(r"(c) scale, rounding; $\Delta=10^{-6}$ ○, $10^{-4}$ □, $10^{-2}$ ◇", loc="left")
     c.legend(loc="upper left")
     return figure
 
