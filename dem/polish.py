@@ -1,9 +1,10 @@
 """Newton's method on the contacts: from nearly at rest to equilibrium at round-off.
 
 Contacts may open, close, stick and slide on the way (a semi-smooth Newton method, on the
-tangent of ``dem.tangent``).  The last increments are carried in the forces alone: positions
-cannot hold them (they are below one ulp of L), and forces recomputed from positions would be off
-by ~ κ ε L, that is ε L/Δ in units of p.
+tangent of ``dem.tangent``).  Forces recomputed from rounded positions are off by ~ κ ε L, that is
+ε L/Δ in units of p.  The last increments y therefore go to the forces in full, f + df(y), and to
+the positions as far as these can hold them, x + y rounded once: the forces balance to
+round-off, and f_n - κ overlap is a few κ ε L however soft the packing.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 from dem.law import ContactLaw
 from dem.neighbours import Neighbours
 from dem.rest import Rest
-from dem.state import State
+from dem.state import Floats, State
 from dem.tangent import PIN, Equilibrium, Trial
 
 ITERATIONS = 40
@@ -42,8 +43,8 @@ def polish(state: State, near: Neighbours, law: ContactLaw, pressure: float) -> 
     # Positions cannot hold the residual below ~ κ ε L.
     floor = 2 * law.stiffness * np.finfo(float).eps * float(state.cell.max())  # type: ignore
     kept, iterations = newton(balance, floor, max(1e-9 * pressure, 100 * floor))
-    rest = _carry(balance, kept, pressure, iterations)
-    _store(state, balance, kept, rest)
+    rest, y = _carry(balance, kept, pressure, iterations)
+    _store(state, balance, y, rest)
     return rest
 
 
@@ -77,12 +78,14 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
     return kept, iterations
 
 
-def _carry(balance: Equilibrium, trial: Trial, pressure: float, iterations: int) -> Rest:
-    """The last increments, in the forces alone: f + df(y), with the positions kept."""
+def _carry(
+    balance: Equilibrium, trial: Trial, pressure: float, iterations: int
+) -> tuple[Rest, Floats]:
+    """Forces after the last increments, f + df(y), and the moves that hold them."""
     on_normal, on_slip, slides = balance.response(trial)
     normal, tangential = trial.normal, trial.tangential
     residual = trial.residual(normal, tangential)
-    newton_step = balance.factorise(trial)
+    newton_step, moves = balance.factorise(trial), trial.y
     for _ in range(REFINEMENTS):
         y = newton_step(residual)
         stretched, slipped = trial.m_n.T @ y, -(trial.m_t.T @ y)
@@ -91,16 +94,16 @@ def _carry(balance: Equilibrium, trial: Trial, pressure: float, iterations: int)
         new_residual = trial.residual(new_normal, new_tangential)
         if np.abs(new_residual).max() >= np.abs(residual).max():
             break
-        normal, tangential, residual = new_normal, new_tangential, new_residual
+        normal, tangential, residual, moves = new_normal, new_tangential, new_residual, moves + y
     worst = float(np.abs(residual).max()) / pressure
-    return Rest(normal, tangential, trial.bearing, worst, iterations)
+    return Rest(normal, tangential, trial.bearing, worst, iterations), moves
 
 
-def _store(state: State, balance: Equilibrium, trial: Trial, rest: Rest) -> None:
+def _store(state: State, balance: Equilibrium, y: Floats, rest: Rest) -> None:
     near = balance.near
-    z = balance.centres(trial.y)
+    z = balance.centres(y)
     state.positions = np.column_stack([z.real, z.imag])
-    state.cell = np.diag(near.sides * balance.scale * balance.stretch(trial.y))
+    state.cell = np.diag(near.sides * balance.scale * balance.stretch(y))
     near.elongation[:] = rest.tangential / balance.law.tangential
     state.history = near.history()
     state._near = state._forces = None

@@ -35,11 +35,13 @@ def balance(p: Packing) -> tuple[float, float]:
 @pytest.mark.parametrize("delta", DELTAS)
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_stored_forces_balance_and_obey_the_contact_law(delta, friction):
-    """Residual <= 1e-9 p at every Δ; f_n - κ overlap <= 100 ε L (κ = 1)."""
+    """Residual <= 1e-9 p at every Δ.  Coordinates and cell rounded to ε L/2 each, and the digits
+    lost in computing the overlap, leave f_n - κ overlap of a few ε L (κ = 1); 100 is the promise.
+    """
     p = packing(delta=delta, friction=friction)
     residual, spring = balance(p)
     assert residual <= 1e-9
-    assert spring <= 100
+    assert spring <= 10
     assert p.info["residual"] == pytest.approx(residual, rel=1, abs=1e-13)
     assert p.normal_forces.min() > 0
     cap = friction * p.normal_forces
@@ -131,7 +133,7 @@ def test_bad_scene(arguments, message):
     ("arguments", "message"),
     [
         ({"time_step": 1.1}, "time_step = 1.1 exceeds"),
-        ({"dashpot": 20.0}, "dashpot = 20.0 with time_step = 0.2 is unstable"),
+        ({"dashpot": 20.0}, "dashpot = 20.0 with time_step = 0.8 is unstable"),
         ({"drag": 0.0}, "drag = 0.0"),
         ({"skin": -1.0}, "skin = -1.0"),
         ({"dashpot": -1.0}, "dashpot = -1.0"),

@@ -38,12 +38,10 @@ def right_or_refused(scene: Scene, seed: int) -> tuple[Packing | None, float]:
             raise
         return p, 0.0
     error = np.abs(found.forces - p.forces).max() / p.pressure
-    # Positions may lag behind the polished forces: the polish stops moving them at a residual of
-    # 200 ε L, which 1/σ_min turns into overlaps.
+    # Positions hold the polished forces as far as doubles can, however soft the packing.
     lag = np.abs(p.normal_forces - p.stiffness * p.overlaps).max()
-    smallest = force_equation(network, p.friction > 0).conditioning.smallest
-    assert lag <= 200 * EPS * p.cell.max() / min(smallest, 1)
-    worst = float(error / (rounding(p) * (1 + 0.1 * lag / (EPS * p.cell.max()))))
+    assert lag <= 10 * EPS * p.cell.max()
+    worst = float(error / rounding(p))
     assert worst <= 1
     return p, worst
 
@@ -60,8 +58,8 @@ def right_or_refused(scene: Scene, seed: int) -> tuple[Packing | None, float]:
 @example(64, 0.2, 10.0, 0.6, 2.0, 3)
 @example(64, 1e-4, 0.0, 0.6, 1.0, 2)
 @example(20, 1e-2, 1e-3, 0.0, 1.0, 0)
-@example(64, 1e-4, 0.0, 0.3, 1.0, 22)  # found: positions 66 ε L behind the forces
-@example(64, 1e-4, 0.0, 0.3, 2.0, 22)  # found: 105 ε L
+@example(64, 1e-4, 0.0, 0.3, 1.0, 22)  # found: soft; positions were 66 ε L behind the forces
+@example(64, 1e-4, 0.0, 0.3, 2.0, 22)  # found: 105 ε L, before positions took the last moves
 @example(33, 0.1, 1e-3, 0.0, 1.0, 0)  # found: a crystal, refused as nearly rank-deficient
 def test_extreme_scenes_are_right_or_refused(grains, delta, friction, spread, aspect, seed):
     scene = Scene(grains, delta, friction=friction, polydispersity=spread, aspect=aspect)
@@ -88,7 +86,7 @@ def test_extreme_scenes_that_must_work(scene, band):
 
 
 def test_refining_brings_positions_up_to_the_forces():
-    """The worst case found above: f_n - κ overlap 66 ε L, E 1e-9; refined, both are round-off."""
+    """A soft packing, E 1e-11 from rounded positions; refined, overlaps and E are round-off."""
     p = relax(Scene(64, 1e-4, friction=0.0), 22, progress=False)
     fine = refine(p)
     found = reconstruct(ContactNetwork.from_packing(fine), 1.0, frictional=False)
