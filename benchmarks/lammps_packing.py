@@ -4,8 +4,8 @@
 
 LAMMPS runs ``packing.lammps`` (gran/hooke/history, pressure control, drag) to ⟨v⟩ < 1e-8 √(p/ρ)
 twice: as a user would start (drag 0.2, gain 0.2 at every Δ) and with drag and gain tuned by hand
-per Δ on another packing.  Ours: the default settings, and ``Settings.fast``; they end at
-⟨v⟩ < 1e-5 with Newton's method.  Processor seconds of one core; residual: largest force/p.
+per Δ on another packing.  Ours: the default settings; they end at ⟨v⟩ < 1e-5 with Newton's method.
+Processor seconds of one core; residual: largest force/p.
 """
 
 from __future__ import annotations
@@ -80,8 +80,7 @@ def by_us(scene: Scene, seed: int, settings: Settings) -> tuple[int, float, floa
 def compute(grains: int, seeds: int, deltas: list[float]) -> list[dict[str, Any]]:
     """One row per Δ and way of doing it: medians and ranges over seeds."""
     backends = [b for b in ("numba", "numpy") if b == "numpy" or find_spec(b)]
-    ours = {f"{b}, default": Settings(backend=b) for b in backends}
-    ours |= {f"{b}, fast": Settings.fast(backend=b) for b in backends}
+    ours = {b: Settings(backend=b) for b in backends}
     for settings in ours.values():
         relax(Scene(16, 0.1), 0, settings=settings, progress=False)  # compile
     rows = []

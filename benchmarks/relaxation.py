@@ -1,4 +1,4 @@
-"""Time and steps to a finished packing over Δ, for the default and the fast settings.
+"""Time and steps to a finished packing over Δ: both backends, the default and a short time step.
 
     python -m benchmarks.relaxation [grains] [seeds] [smallest decade of Δ]
 
@@ -23,19 +23,16 @@ from dem import Scene, Settings, relax
 from paper_figs.style import new_figure
 
 TABLE = np.dtype([
-    ("how", "U16"), ("delta", float), ("seed", int), ("steps", int), ("seconds", float),
+    ("how", "U24"), ("delta", float), ("seed", int), ("steps", int), ("seconds", float),
     ("residual", float), ("Z", float), ("phi", float), ("spread", float),
 ])  # fmt: skip
 
 
 def ways() -> dict[str, Settings]:
     """Name -> settings."""
-    found = {"numpy, fast": Settings.fast(backend="numpy")}
-    if find_spec("numba") is not None:
-        found = {
-            "numba, default": Settings(backend="numba"), "numba, fast": Settings.fast(),
-        } | found  # fmt: skip
-    return found
+    best = "numpy" if find_spec("numba") is None else "numba"
+    found = {best: Settings(backend=best), f"{best}, time step 0.2": Settings(time_step=0.2)}
+    return found | {"numpy": Settings(backend="numpy")}
 
 
 def measure(task: tuple[str, float, int, int]) -> tuple[Any, ...]:

@@ -61,5 +61,5 @@ class Drive:
 
 def stable_time_step(law: ContactLaw, smallest_mass: float, fraction: float) -> float:
     """``fraction`` of √(m_eff/k), m_eff = m/2 of two of the lightest grains in contact, k the
-    larger of κ and k_t."""
-    return fraction * sqrt(0.5 * smallest_mass / max(law.stiffness, law.tangential))
+    larger of κ and 2 k_t: disks roll, hence ω_t² = 3 k_t/m_eff."""
+    return fraction * sqrt(0.5 * smallest_mass / max(law.stiffness, 2 * law.tangential))

@@ -3,7 +3,8 @@
 The clock of the problem is the inertial time ⟨σ⟩√(ρ/p), that of the integrator √(m/κ); their
 ratio Δ^(-1/2) is the number of steps, up to a factor.  Integration ends when the mean speed is
 below ``Settings.speed`` √(p/ρ); Newton's method on the contacts does the rest.  Where it fails
-(a group of grains still leaving its last contacts), integration goes on and it is tried again.
+(a group of grains still leaving its last contacts), integration goes on with half the drag and it
+is tried again.
 Below Δ = 1e-6 the packing of 1e-6 is continued to Δ by Newton's method alone (``dem.stiffen``).
 """
 
@@ -40,6 +41,8 @@ PRESSURE_TOLERANCE = 0.01
 RESTED = 1e-3
 #: After a failed polish: inertial times until the next, unless the speed falls tenfold before.
 RETRY = 10.0
+#: The drag after a failed polish, in that of the settings: what still moves drifts against it.
+TAIL_DRAG = 0.5
 
 
 class _NotRight(ArithmeticError):
@@ -127,6 +130,7 @@ def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | Non
             except PolishFailed as failure:
                 target, why = speed / 10, f" ({failure})"
                 again = steps + int(RETRY * inertial / dt)
+                drive = Drive(TAIL_DRAG * settings.drag / inertial, scene.pressure)
                 continue
             except _NotRight as wrong:
                 raise NotRelaxed(_where(scene, seed) + str(wrong), state, speed, np.nan) from wrong
@@ -206,7 +210,8 @@ def _refuse_missed_contacts(state: State, near: Neighbours) -> None:
                 "neighbour list: take a wider skin or a shorter time step"
             )
         if r[e] < max(state.radii[i], state.radii[j]):
-            raise _NotRight(f"grain {i} holds the centre of grain {j}: shorten the time step")
+            raise _NotRight(f"grain {i} holds the centre of grain {j}: shorten the "
+                "time step or, if they are very unequal, lower Δ")
 
 
 def _packing(

@@ -52,7 +52,7 @@ def test_trade_table_has_refusals_and_packings():
 
 def test_steps_grow_as_the_inverse_root_of_the_deformation(monkeypatch):
     """Exponent 1/2 within 0.2: Δ = 1e-2, 1e-3, 1e-4, three small packings each."""
-    monkeypatch.setattr(relaxation, "ways", lambda: {"fast": Settings.fast()})
+    monkeypatch.setattr(relaxation, "ways", lambda: {"default": Settings()})
     with ThreadPoolExecutor(1) as pool:
         table = relaxation.compute(pool, 36, 3, 4)
     for how in dict.fromkeys(table["how"]):
