@@ -210,8 +210,10 @@ def _refuse_missed_contacts(state: State, near: Neighbours) -> None:
                 "neighbour list: take a wider skin or a shorter time step"
             )
         if r[e] < max(state.radii[i], state.radii[j]):
-            raise _NotRight(f"grain {i} holds the centre of grain {j}: shorten the "
-                "time step or, if they are very unequal, lower Δ")
+            raise _NotRight(
+                f"grain {i} holds the centre of grain {j}: shorten the "
+                "time step or, if they are very unequal, lower Δ"
+            )
 
 
 def _packing(

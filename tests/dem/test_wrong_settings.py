@@ -69,12 +69,12 @@ def test_too_long_a_time_step_never_rests(monkeypatch):
 def test_unstable_dashpot_is_seen_in_motion_too(monkeypatch):
     monkeypatch.setattr(dem.settings, "LONGEST_DASHPOT_STEP", np.inf)
     with pytest.raises(NotRelaxed, match=r"Δ = 0\.01, N = 48, seed 1"):
-        relax(SCENE, 1, settings=Settings(dashpot=20.0, time_step=0.2, longest=100.0), progress=False)
+        relax(SCENE, 1, settings=Settings(time_step=0.2, dashpot=20.0, longest=99), progress=False)
 
 
 def test_creep_under_a_dashpot_is_no_rest():
     """Small speeds with large forces: a viscous dashpot on stiff grains, not polished."""
-    creeping = Settings(dashpot=2.0, time_step=0.2, polish=False, velocity_tolerance=1e-3, longest=100.0)
+    creeping = Settings(0.2, dashpot=2.0, polish=False, velocity_tolerance=1e-3, longest=100.0)
     with pytest.raises(NotRelaxed, match=r"force residual|mean speed"):
         relax(Scene(48, 1e-4), 1, settings=creeping, progress=False)
 
