@@ -25,7 +25,7 @@ LONGEST = 300.0
 KNOBS: dict[str, list[dict[str, Any]]] = {
     "time_step": [{"time_step": v} for v in (0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)],
     "drag": [{"drag": v} for v in (0.1, 0.3, 1.0, 3.0, 10.0)],
-    "dashpot": [{"dashpot": v} for v in (0.0, 0.01, 0.1, 1.0)],
+    "dashpot": [{"dashpot": v} for v in (0.0, 0.01, 0.1, 0.6, 1.0)],
     "velocity_tolerance": [{"velocity_tolerance": 10.0**-k} for k in range(1, 8)],
     "unpolished": [{"velocity_tolerance": 10.0**-k, "polish": False} for k in range(2, 9)],
     "skin": [{"skin": v} for v in (0.02, 0.05, 0.1, 0.2, 0.4)],

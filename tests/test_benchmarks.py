@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks import dem_trade, floor, relaxation, rounding, solvers
 from benchmarks.tiling import tiled
-from dem import Settings, refine
+from dem import refine, relax
 from scaling import force_equation, reconstruct, relative_error
 from tests.conftest import packing
 
@@ -52,7 +52,7 @@ def test_trade_table_has_refusals_and_packings():
 
 def test_steps_grow_as_the_inverse_root_of_the_deformation(monkeypatch):
     """Exponent 1/2 within 0.2: Δ = 1e-2, 1e-3, 1e-4, three small packings each."""
-    monkeypatch.setattr(relaxation, "ways", lambda: {"default": Settings()})
+    monkeypatch.setattr(relaxation, "ways", lambda: {"default": relax})
     with ThreadPoolExecutor(1) as pool:
         table = relaxation.compute(pool, 36, 3, 4)
     for how in dict.fromkeys(table["how"]):
