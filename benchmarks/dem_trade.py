@@ -25,7 +25,7 @@ LONGEST = 300.0
 KNOBS: dict[str, list[dict[str, Any]]] = {
     "time_step": [{"time_step": v} for v in (0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)],
     "drag": [{"drag": v} for v in (0.1, 0.3, 1.0, 3.0, 10.0)],
-    "dashpot": [{"dashpot": v} for v in (0.0, 0.01, 0.1, 0.6, 1.0)],
+    "dashpot": [{"dashpot": v} for v in (0.0, 0.01, 0.1, 0.4, 1.0)],
     "velocity_tolerance": [{"velocity_tolerance": 10.0**-k} for k in range(1, 8)],
     "unpolished": [{"velocity_tolerance": 10.0**-k, "polish": False} for k in range(2, 9)],
     "skin": [{"skin": v} for v in (0.02, 0.05, 0.1, 0.2, 0.4)],
@@ -44,10 +44,11 @@ def measure(task: tuple[str, dict[str, Any], float, int, int]) -> tuple[Any, ...
     name = "velocity_tolerance" if knob == "unpolished" else knob
     value = change[name]
     label = value if isinstance(value, str) else f"{value:g}"
-    settings = Settings(**{"longest": LONGEST} | change)
-    relax(Scene(16, 0.1), 0, settings=Settings(backend=settings.backend), progress=False)
+    backend = change.get("backend", "auto")
+    relax(Scene(16, 0.1), 0, settings=Settings(backend=backend), progress=False)  # compile
     start = time.process_time()
     try:
+        settings = Settings(**{"longest": LONGEST} | change)
         p = relax(Scene(grains, delta), seed, settings=settings, progress=False)
     except (NotRelaxed, ValueError, FloatingPointError):
         spent = time.process_time() - start
@@ -77,10 +78,11 @@ def compute(
 
 
 def text(table: np.ndarray) -> str:
-    """One line per setting: medians over seeds, Z and φ with their standard errors."""
+    """One line per setting: medians over seeds; Z, φ and the spread std f_n/⟨f_n⟩ with their
+    standard errors."""
     lines = [
-        "| knob | value | Δ | rest | steps | s | residual/p | E | Z | φ |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        "| knob | value | Δ | rest | steps | s | residual/p | E | Z | φ | spread |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for knob, value, delta in dict.fromkeys(
         (r["knob"], r["value"], float(r["delta"])) for r in table
@@ -91,44 +93,75 @@ def text(table: np.ndarray) -> str:
         some = mine[mine["rest"]]
         head = f"| {knob} | {value} | {delta:.0e} | {len(some)}/{len(mine)} "
         if not len(some):
-            lines.append(f"{head}| refused | {np.median(mine['seconds']):.2f} | | | | |")
+            lines.append(f"{head}| refused | {np.median(mine['seconds']):.2f} | | | | | |")
             continue
         root = np.sqrt(len(some))
         lines.append(
             f"{head}| {np.median(some['steps']):.0f} | {np.median(some['seconds']):.2f} "
             f"| {some['residual'].max():.0e} | {some['error'].max():.0e} "
             f"| {some['Z'].mean():.3f} ± {some['Z'].std() / root:.3f} "
-            f"| {some['phi'].mean():.4f} ± {some['phi'].std() / root:.4f} |"
+            f"| {some['phi'].mean():.4f} ± {some['phi'].std() / root:.4f} "
+            f"| {some['spread'].mean():.3f} ± {some['spread'].std() / root:.3f} |"
         )
     return "\n".join(lines)
 
 
+#: Knobs whose values are names, not numbers on a scale: in the table only.
+UNPLOTTED = ("backend", "precision")
+
+
 def plot(table: np.ndarray) -> Figure:
-    """Steps against each knob, filled where all came to rest, crosses where some were refused."""
-    knobs = [k for k in KNOBS if k != "backend"]
-    figure, axes = plt.subplots(2, 3, figsize=(6.8, 4.0), layout="constrained")
-    for panel, knob in zip(axes.flat, knobs, strict=True):
+    """Steps, largest residual, E without noise, and Z less the default's, against each knob.
+
+    Crosses: some packings were refused.  Bars on Z: standard errors; dotted: the default.
+    """
+    knobs = [k for k in KNOBS if k not in UNPLOTTED]
+    figure, axes = plt.subplots(
+        4, len(knobs), figsize=(7.6, 5.6), layout="constrained", sharex="col", sharey="row"
+    )
+    for column, knob in zip(axes.T, knobs, strict=True):
+        values = list(dict.fromkeys(table["value"][table["knob"] == knob]))
         for delta, marker in zip(np.unique(table["delta"])[::-1], MARKERS, strict=False):
             mine = table[(table["knob"] == knob) & (table["delta"] == delta)]
-            values = list(dict.fromkeys(mine["value"]))
-            steps, full = [], []
-            for value in values:
-                some = mine[mine["value"] == value]
-                rest = some[some["rest"]]
-                steps.append(np.median(rest["steps"]) if len(rest) else np.nan)
-                full.append(len(rest) == len(some))
-            (line,) = panel.plot(
-                range(len(values)), steps, f"{marker}-", label=rf"$\Delta$ = {delta:.0e}"
-            )
-            bad = [k for k, ok in enumerate(full) if not ok]
-            level = np.nanmax(steps)
-            panel.plot(
-                bad, [steps[k] if np.isfinite(steps[k]) else level for k in bad], "x",
-                color=line.get_color(), markersize=8,
-            )  # fmt: skip
-            panel.set_xticks(range(len(values)), values, rotation=45 if len(values) > 6 else 0)
-        panel.set(yscale="log", xlabel=knob.replace("_", " "))
-    for panel in axes[:, 0]:
-        panel.set_ylabel("steps to rest (× refused)")
-    axes[0, 0].legend()
+            _curves(column, [mine[mine["value"] == v] for v in values], _default(table, delta),
+                    marker, f"{delta:.0e}")  # fmt: skip
+        for panel in column[:3]:
+            panel.set_yscale("log")
+        column[3].axhline(0, color="0.5", linestyle=":", linewidth=0.8, zorder=0)
+        column[-1].set_xticks(range(len(values)), values, rotation=90)
+        column[-1].set_xlabel(knob.replace("_", " "))
+    names = ("steps to rest", "residual (p)", "E without noise", r"$Z-Z_\mathrm{default}$")
+    for panel, name in zip(axes[:, 0], names, strict=True):
+        panel.set_ylabel(name)
+    figure.legend(
+        *axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncol=4,
+        title="deformation Δ; crosses: refused for some or all seeds",
+    )  # fmt: skip
     return figure
+
+
+def _default(table: np.ndarray, delta: float) -> np.ndarray:
+    """The rows of the default settings: the default skin, which every run of the table has."""
+    skin = f"{Settings().skin:g}"
+    at = (table["knob"] == "skin") & (table["value"] == skin) & (table["delta"] == delta)
+    return table[at]
+
+
+def _curves(
+    column: np.ndarray, groups: list[np.ndarray], usual: np.ndarray, marker: str, label: str
+) -> None:
+    """Four curves of one knob at one Δ; ``groups`` are its rows, value by value."""
+    rest = [g[g["rest"]] for g in groups]
+    x = np.array([k for k, some in enumerate(rest) if len(some)])
+    some = [r for r in rest if len(r)]
+    (line,) = column[0].plot(x, [np.median(s["steps"]) for s in some], f"{marker}-", label=label)
+    colour = line.get_color()
+    for k, (group, found) in enumerate(zip(groups, rest, strict=True)):
+        if len(found) < len(group):
+            column[0].plot(k, 0.95, "x", color=colour, markersize=6, clip_on=False,
+                           transform=column[0].get_xaxis_transform())  # fmt: skip
+    column[1].plot(x, [s["residual"].max() for s in some], f"{marker}-", color=colour)
+    column[2].plot(x, [s["error"].max() for s in some], f"{marker}-", color=colour)
+    off = [s["Z"].mean() - usual["Z"].mean() for s in some]
+    bars = [s["Z"].std(ddof=min(1, len(s) - 1)) / np.sqrt(len(s)) for s in some]
+    column[3].errorbar(x, off, bars, marker=marker, color=colour, linestyle="none")

@@ -22,7 +22,7 @@ SCENE = Scene(48, 1e-2)
         {"time_step": 0.05},
         {"drag": 0.3},
         {"drag": 3.0},
-        {"dashpot": 0.6},
+        {"dashpot": 0.4},
         {"dashpot": 1.0, "time_step": 0.2},
         {"velocity_tolerance": 1.0},
         {"skin": 1e-3},
