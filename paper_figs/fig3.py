@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
 
 from dem import Packing
 from paper_figs.packings import Edition
+from paper_figs.periodic import Window
 from paper_figs.style import new_figure, provenance
 from scaling import ContactNetwork, perturb, reconstruct, relative_error
 
@@ -63,8 +63,10 @@ def plot(table: np.ndarray, packing: Packing) -> Figure:
     titles = ["true forces"] + [
         rf"$\xi={r:g}\,\Delta$:  $E={table[f'E_at_{r:g}'][0]:.2g}$" for r in RATIOS
     ]
+    width = min(WINDOW, float(packing.cell[0, 0]))
+    window = Window(packing, packing.cell.sum(axis=0) / 2, width)
     for axes, name, title in zip(panels.flat, names, titles, strict=True):
-        _draw(axes, table, table[name], packing)
+        _draw(axes, table, table[name], window)
         axes.set_title(title)
     handles = [
         Line2D([], [], color=PUSH, linewidth=2, label="pushes"),
@@ -72,28 +74,22 @@ def plot(table: np.ndarray, packing: Packing) -> Figure:
     ]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=2,
-        title=rf"$\Delta=10^{{-4}}$, window {WINDOW:g} $\langle\sigma\rangle$ wide; "
+        title=rf"$\Delta=10^{{-4}}$, window {width:.3g} $\langle\sigma\rangle$ wide; "
         rf"width $\propto$ force, up to {CLIP:g} mean forces", title_fontsize=6.5,
     )  # fmt: skip
     return figure
 
 
-def _draw(axes, table: np.ndarray, force: np.ndarray, packing: Packing) -> None:  # type: ignore[no-untyped-def]
-    discs = [Circle(x, r) for x, r in zip(packing.positions, packing.radii, strict=True)]
-    axes.add_collection(PatchCollection(discs, facecolor="0.95", edgecolor="0.75", linewidth=0.3))
-    starts = np.column_stack([table["x_i"], table["y_i"]])
-    ends = np.column_stack([table["x_j"], table["y_j"]])
-    lines = LineCollection(
-        np.stack([starts, ends], axis=1),
+def _draw(axes: Axes, table: np.ndarray, force: np.ndarray, window: Window) -> None:
+    window.grains(axes, facecolor="0.95", edgecolor="0.75")
+    window.contacts(
+        axes,
+        np.column_stack([table["x_i"], table["y_i"]]),
+        np.column_stack([table["x_j"], table["y_j"]]),
         linewidths=1.6 * np.minimum(np.abs(force), CLIP),
         colors=np.where(force > 0, PUSH, PULL),
-        capstyle="round",
     )
-    axes.add_collection(lines)
-    low = packing.cell.sum(axis=0) / 2 - min(WINDOW, packing.cell[0, 0]) / 2
-    axes.set_xlim(low[0], low[0] + WINDOW)
-    axes.set_ylim(low[1], low[1] + WINDOW)
-    axes.set(aspect="equal", xticks=[], yticks=[])
+    window.frame(axes)
 
 
 def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:

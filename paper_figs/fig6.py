@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
 
 from dem import Packing
 from paper_figs.fig3 import DELTA, choose
 from paper_figs.packings import Edition
+from paper_figs.periodic import Window
 from paper_figs.style import provenance, wide_figure
 from scaling import ContactNetwork, error_map
 
@@ -48,32 +47,23 @@ def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
 
 def plot(table: np.ndarray, packing: Packing) -> Figure:
     """Two windows side by side."""
-    figure, (a, b) = wide_figure(3.6, 1, 2)
+    figure, (a, b) = wide_figure(3.1, 1, 2)
     width = min(WINDOW, float(packing.cell[0, 0]))
     η = np.zeros(len(packing.radii))
     η[table["i"]], η[table["j"]] = table["pattern_i"], table["pattern_j"]
-    high = packing.positions.max(axis=0) - width / 2
-    centre = np.minimum(np.maximum(packing.positions[abs(η).argmax()], width / 2), high)
+    window = Window(packing, packing.positions[abs(η).argmax()], width)
     for axes, values, title in (
         (a, table["error"], r"rms error of a contact over $\kappa\xi\langle\sigma\rangle$"),
         (b, table["worst"], f"worst pattern of unit norm: response {table['singular'][0]:.2f}"),
     ):
         colours = np.zeros(len(η)) if axes is a else η / abs(η).max()
-        discs = [Circle(x, r) for x, r in zip(packing.positions, packing.radii, strict=True)]
-        grains = PatchCollection(
-            discs, cmap="RdBu_r", array=colours, clim=(-1.5, 1.5), edgecolor="0.7", linewidth=0.3
-        )
-        axes.add_collection(grains)
-        starts = np.column_stack([table["x_i"], table["y_i"]])
-        ends = np.column_stack([table["x_j"], table["y_j"]])
-        lines = LineCollection(
-            np.stack([starts, ends], axis=1), cmap="viridis_r", array=values,
-            linewidths=0.4 + 2.6 * (values - values.min()) / np.ptp(values), capstyle="round",
+        window.grains(axes, colours, cmap="RdBu_r", clim=(-1.5, 1.5), edgecolor="0.7")
+        lines = window.contacts(
+            axes, np.column_stack([table["x_i"], table["y_i"]]),
+            np.column_stack([table["x_j"], table["y_j"]]), cmap="viridis_r", array=values,
+            linewidths=0.4 + 2.6 * (values - values.min()) / np.ptp(values),
         )  # fmt: skip
-        axes.add_collection(lines)
-        axes.set(aspect="equal", xticks=[], yticks=[])
-        axes.set_xlim(centre[0] - width / 2, centre[0] + width / 2)
-        axes.set_ylim(centre[1] - width / 2, centre[1] + width / 2)
+        window.frame(axes)
         axes.set_title(title)
         figure.colorbar(lines, ax=axes, shrink=0.8, pad=0.02)
     return figure

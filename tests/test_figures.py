@@ -13,6 +13,7 @@ import pytest
 
 from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7, table1
 from paper_figs.packings import DELTAS, FULL, QUICK, seed_of
+from paper_figs.periodic import Window
 from paper_figs.style import write
 from scaling import amplification_of
 from tests.conftest import packing
@@ -172,3 +173,15 @@ def test_figure_7_tells_noise_from_scale(packings, tmp_path):
         assert np.all(np.abs(np.log2(rounding["value"] / (C * rounding["ratio"]))) < 1)
     paths = write(fig7.plot(table), tmp_path, "fig7", table, fig7.facts(packings, SMALL))
     assert len(read(paths[2])[1]) == len(table)
+
+
+@pytest.mark.parametrize("corner", [(0.0, 0.0), (3.3, -40.0)])
+def test_a_window_as_wide_as_the_cell_holds_every_grain_once(corner):
+    """Unwrapped positions, any place of the window: N copies inside, none twice."""
+    p = packing(grains=48, delta=1e-3)
+    side = float(p.cell[0, 0])
+    window = Window(p, np.asarray(corner) + side / 2, side)
+    index, places = window.copies(p.positions, 0.0)
+    assert sorted(index) == list(range(48))
+    steps = (places - p.positions[index]) / side
+    assert np.abs(steps - np.rint(steps)).max() < 1e-12
