@@ -103,7 +103,9 @@ def main() -> None:
         draw("dem_trade", dem_trade.plot(table), table)
 
     def rest(pool: ProcessPoolExecutor) -> None:
-        table = relaxation.compute(pool, 1000 if full else 300, 8, 6 if full else 5)
+        table = relaxation.compute(
+            pool, 1000 if full else 300, 24 if full else 32, 6 if full else 5
+        )
         keep("relaxation", relaxation.text(table))
         draw("relaxation", relaxation.plot(table), table)
 
