@@ -34,10 +34,13 @@ CONTINUATION = 1
 def packing_key(scene: Scene, seed: int, settings: Settings) -> str:
     """Hash of all that decides a packing: the name of its file in a store."""
     seed = seed_number(seed)
+    choices = asdict(settings) | {"backend": resolve_backend(settings.backend)}
+    if settings.precision == "float64":
+        del choices["precision"]  # so that packings stored before there was a choice are found
     facts = {
         "scene": asdict(scene),
         "seed": seed,
-        "settings": asdict(settings) | {"backend": resolve_backend(settings.backend)},
+        "settings": choices,
         "format": FORMAT,
         "algorithm": ALGORITHM,
     }
