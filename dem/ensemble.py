@@ -24,11 +24,14 @@ from dem.packing_file import FORMAT
 from dem.relax import CONTINUED_BELOW, relax
 from dem.scene import Scene, seed_number
 from dem.settings import Settings
+from dem.start import STRIPS_FROM
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
 ALGORITHM = 3
 #: The same for packings with Δ < 1e-6, which are continued from 1e-6.
 CONTINUATION = 1
+#: The same for packings large enough to be numbered along strips.
+NUMBERING = 1
 
 
 def packing_key(scene: Scene, seed: int, settings: Settings) -> str:
@@ -44,6 +47,8 @@ def packing_key(scene: Scene, seed: int, settings: Settings) -> str:
         "format": FORMAT,
         "algorithm": ALGORITHM,
     }
+    if scene.grains >= STRIPS_FROM:
+        facts["numbering"] = NUMBERING
     if settings.polish and scene.delta < CONTINUED_BELOW:
         facts["continuation"] = CONTINUATION
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
