@@ -78,11 +78,7 @@ def relax(
     PolishFailed : continuation to Δ < 1e-6 stopped on the way, from each start.
     """
     seed = seed_number(seed)
-    if settings.precision == "float32" and scene.delta < SMALLEST_IN_SINGLE:
-        raise ValueError(
-            f"delta = {scene.delta:g}: overlaps are lost in float32 noise of 6e-8; it may be used "
-            f"from {SMALLEST_IN_SINGLE:g} on"
-        )
+    check_noise(scene.delta, settings)
     if not settings.polish or scene.delta >= CONTINUED_BELOW:
         return _integrate(scene, seed, settings, progress)
     starts = [d for d in CONTINUED_FROM if d > scene.delta]
@@ -98,8 +94,24 @@ def relax(
     raise AssertionError("Δ < 1e-6 has a start above it")
 
 
+def check_noise(delta: float, settings: Settings) -> None:
+    """ValueError when float32 is asked for and its noise would hide the overlaps."""
+    if settings.precision == "float32" and delta < SMALLEST_IN_SINGLE:
+        raise ValueError(
+            f"delta = {delta:g}: overlaps are lost in float32 noise of 6e-8; it may be used "
+            f"from {SMALLEST_IN_SINGLE:g} on"
+        )
+
+
 def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | None) -> Packing:
     state = loose_state(scene, np.random.default_rng(seed))
+    return come_to_rest(state, scene, seed, settings, progress)
+
+
+def come_to_rest(
+    state: State, scene: Scene, seed: int, settings: Settings, progress: bool | None
+) -> Packing:
+    """The packing that ``state`` (changed in place) becomes under the pressure of ``scene``."""
     inertial = 1 / sqrt(scene.pressure)
     mass = float(np.pi * np.mean(state.radii) ** 2)
     law = ContactLaw(

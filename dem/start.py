@@ -19,7 +19,7 @@ LOOSE_FRACTION = 0.70
 CLEARANCE = 1.004
 SWEEPS = 20_000
 #: From so many grains on they are numbered along strips this wide: neighbours lie near in memory,
-#: and a step at 1e5 grains costs half (Numba), or three quarters (NumPy), of one numbered at random.
+#: and a step at 1e5 grains costs half (Numba), or three quarters (NumPy), of what it does else.
 STRIPS_FROM, STRIP_WIDTH = 2000, 3.0
 #: Neighbours are looked for again when a grain has moved half of this.
 LIST_WIDTH = 0.15
