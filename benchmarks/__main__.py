@@ -84,7 +84,7 @@ def main() -> None:
 
     def equation() -> None:
         packing = refine(relax(Scene(100, 1e-3), 1, progress=False))
-        copies = (1, 2, 3, 4, 10, 32, 100) if full else (1, 2, 3, 4, 10, 32)
+        copies = (1, 2, 3, 4, 6, 10, 18, 32) + ((56, 100) if full else ())
         table = solvers.compute(packing, copies)
         keep("solvers", solvers.text(table))
         draw("solvers", solvers.plot(table), table)
