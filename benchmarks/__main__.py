@@ -24,6 +24,7 @@ from benchmarks import (
     floor,
     lammps_packing,
     lammps_step,
+    ramps,
     relaxation,
     rounding,
     size,
@@ -107,6 +108,11 @@ def main() -> None:
         keep("relaxation", relaxation.text(table))
         draw("relaxation", relaxation.plot(table), table)
 
+    def pressures(pool: ProcessPoolExecutor) -> None:
+        table = ramps.compute(pool, 1000 if full else 300, range(1, 9))
+        keep("ramps", ramps.text(table))
+        draw("ramps", ramps.plot(table), table)
+
     def noise(pool: ProcessPoolExecutor) -> None:
         table = rounding.compute(_packings(pool, 150, tuple(10.0**-k for k in range(1, 7))))
         off = table["error"] / table["predicted"]
@@ -125,7 +131,7 @@ def main() -> None:
     parts: dict[str, Callable[[], None]] = {
         "lammps_step": steps, "step_cost": physics, "size": sizes, "lammps_packing": finished,
         "solvers": equation, "dem_trade": pooled(trade), "relaxation": pooled(rest),
-        "rounding": pooled(noise), "floor": pooled(no_noise),
+        "ramps": pooled(pressures), "rounding": pooled(noise), "floor": pooled(no_noise),
     }  # fmt: skip
     for name in arguments.only or parts:
         parts[name]()

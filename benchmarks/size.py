@@ -25,7 +25,7 @@ import numpy as np
 from scipy.sparse.linalg import lsmr
 
 from benchmarks.tiling import tiled
-from dem import ContactLaw, Drive, Packing, Scene, State, relax, relax_ensemble, step
+from dem import ContactLaw, Drive, Packing, Scene, Settings, State, relax, relax_ensemble, step
 from dem.integrator import PRECISIONS
 from scaling import force_equation
 
@@ -72,7 +72,7 @@ def _step(task: tuple[str, str, Packing, int]) -> Row:
 
     moving = state()
     run(moving, 2)
-    best = min(run(moving, max(10, 200_000 // grains)) for _ in range(3))
+    best = min(run(moving, max(50, 200_000 // grains)) for _ in range(3))
     grown = _grown(start, grains)
     arrays = _memory(lambda: run(state(), 2))
     return f"{backend}, {precision}", grains, best / grains, grown, arrays / grains
@@ -153,7 +153,13 @@ def efficiency(
             spent = []
             for pool in (one, all_cores):
                 begin = time.perf_counter()
-                made = relax_ensemble(scenes, seeds, executor=_Clocked(pool), progress=False)
+                made = relax_ensemble(
+                    scenes,
+                    seeds,
+                    executor=_Clocked(pool),
+                    settings=Settings.fast(),
+                    progress=False,
+                )
                 spent.append(time.perf_counter() - begin)
             gain.append(spent[0] / (workers * spent[1]))
             busy.append(sum(p.info["wall"] for p in made) / (workers * spent[1]))
