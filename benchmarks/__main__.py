@@ -24,6 +24,7 @@ from benchmarks import (
     floor,
     lammps_packing,
     lammps_step,
+    ramps,
     relaxation,
     rounding,
     size,
@@ -84,7 +85,7 @@ def main() -> None:
 
     def equation() -> None:
         packing = refine(relax(Scene(100, 1e-3), 1, progress=False))
-        copies = (1, 2, 3, 4, 10, 32, 100) if full else (1, 2, 3, 4, 10, 32)
+        copies = (1, 2, 3, 4, 6, 10, 18, 32) + ((56, 100) if full else ())
         table = solvers.compute(packing, copies)
         keep("solvers", solvers.text(table))
         draw("solvers", solvers.plot(table), table)
@@ -109,6 +110,11 @@ def main() -> None:
         keep("relaxation", relaxation.text(table))
         draw("relaxation", relaxation.plot(table), table)
 
+    def pressures(pool: ProcessPoolExecutor) -> None:
+        table = ramps.compute(pool, 1000 if full else 300, range(1, 9))
+        keep("ramps", ramps.text(table))
+        draw("ramps", ramps.plot(table), table)
+
     def noise(pool: ProcessPoolExecutor) -> None:
         table = rounding.compute(_packings(pool, 150, tuple(10.0**-k for k in range(1, 7))))
         off = table["error"] / table["predicted"]
@@ -127,7 +133,7 @@ def main() -> None:
     parts: dict[str, Callable[[], None]] = {
         "lammps_step": steps, "step_cost": physics, "size": sizes, "lammps_packing": finished,
         "solvers": equation, "dem_trade": pooled(trade), "relaxation": pooled(rest),
-        "rounding": pooled(noise), "floor": pooled(no_noise),
+        "ramps": pooled(pressures), "rounding": pooled(noise), "floor": pooled(no_noise),
     }  # fmt: skip
     for name in arguments.only or parts:
         parts[name]()

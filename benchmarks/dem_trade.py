@@ -17,6 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from dem import NotRelaxed, Scene, Settings, relax
+from dem.integrator import PRECISIONS
 from paper_figs.style import MARKERS, plt
 from scaling import ContactNetwork, reconstruct, relative_error
 
@@ -30,7 +31,11 @@ KNOBS: dict[str, list[dict[str, Any]]] = {
     "unpolished": [{"velocity_tolerance": 10.0**-k, "polish": False} for k in range(2, 9)],
     "skin": [{"skin": v} for v in (0.02, 0.05, 0.1, 0.2, 0.4)],
     "backend": [{"backend": b} for b in ("numba", "numpy") if b == "numpy" or find_spec(b)],
+    "precision": [{"precision": p} for p in PRECISIONS],
+    "rough precision": [{"precision": p, "polish": False} for p in PRECISIONS],
 }
+#: Knobs turned under another name: the same setting, with the polish left out.
+ROUGH = {"unpolished": "velocity_tolerance", "rough precision": "precision"}
 TABLE = np.dtype([
     ("knob", "U18"), ("value", "U8"), ("delta", float), ("seed", int), ("steps", int),
     ("seconds", float), ("residual", float), ("error", float), ("Z", float), ("phi", float),
@@ -41,14 +46,14 @@ TABLE = np.dtype([
 def measure(task: tuple[str, dict[str, Any], float, int, int]) -> tuple[Any, ...]:
     """One row of the table; NaN where there is no packing."""
     knob, change, delta, grains, seed = task
-    name = "velocity_tolerance" if knob == "unpolished" else knob
-    value = change[name]
+    value = change[ROUGH.get(knob, knob)]
     label = value if isinstance(value, str) else f"{value:g}"
-    backend = change.get("backend", "auto")
-    relax(Scene(16, 0.1), 0, settings=Settings(backend=backend), progress=False)  # compile
     start = time.process_time()
     try:
         settings = Settings(**{"longest": LONGEST} | change)
+        warm = Settings(backend=settings.backend, precision=settings.precision)
+        relax(Scene(16, 0.1), 0, settings=warm, progress=False)  # compile
+        start = time.process_time()
         p = relax(Scene(grains, delta), seed, settings=settings, progress=False)
     except (NotRelaxed, ValueError, FloatingPointError):
         spent = time.process_time() - start
@@ -107,7 +112,7 @@ def text(table: np.ndarray) -> str:
 
 
 #: Knobs whose values are names, not numbers on a scale: in the table only.
-UNPLOTTED = ("backend", "precision")
+UNPLOTTED = ("backend", "precision", "rough precision")
 
 
 def plot(table: np.ndarray) -> Figure:

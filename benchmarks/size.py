@@ -1,7 +1,9 @@
 """Cost and memory per grain from 1e3 to 1e5 grains (FULL: 1e6), and the efficiency of ensembles.
 
-A packing of 1000 grains is tiled n × n.  Step: µs per grain and step, and the growth of the
-resident set, in a process of its own.  Reconstruction: assembly and lsmr to 1e-8.  Efficiency
+A packing of 1000 grains is tiled n × n.  Step: µs of processor time per grain and step, in both
+precisions.  Reconstruction: assembly, and lsmr to 1e-8.  Each in a process of its own.  Memory:
+growth of the resident set where it can be told from what the allocator holds ready, and the peak
+of the arrays (which leaves out the k-d tree).  Efficiency
 of an ensemble on w processes: (time of one process)/(w × time of w), both by the wall clock; and
 the share of the w × time in which a packing was being made, which other jobs on the machine
 do not spoil.
@@ -13,6 +15,8 @@ import multiprocessing
 import os
 import resource
 import time
+import tracemalloc
+from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from importlib.util import find_spec
 from typing import Any
@@ -21,10 +25,14 @@ import numpy as np
 from scipy.sparse.linalg import lsmr
 
 from benchmarks.tiling import tiled
-from dem import ContactLaw, Drive, Packing, Scene, State, relax, relax_ensemble, step
+from dem import ContactLaw, Drive, Packing, Scene, Settings, State, relax, relax_ensemble, step
+from dem.integrator import PRECISIONS
 from scaling import force_equation
 
 DELTA, BASE = 1e-3, 1000
+#: Below, a packing is smaller than what the allocator holds ready.
+RESIDENT_FROM = 10_000
+Row = tuple[str, int, float, float, float]
 
 
 def _resident() -> float:
@@ -32,49 +40,86 @@ def _resident() -> float:
         return int(statm.read().split()[1]) * resource.getpagesize()
 
 
-def _step(task: tuple[str, Packing, int]) -> tuple[str, int, float, float]:
-    backend, packing, n = task
+def _memory(work: Callable[[], object]) -> float:
+    """Peak of what is allocated during ``work``, in bytes."""
+    tracemalloc.start()
+    work()
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return float(peak)
+
+
+def _grown(start: float, grains: int) -> float:
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1e3
+    return (peak - start) / grains if grains >= RESIDENT_FROM else np.nan
+
+
+def _step(task: tuple[str, str, Packing, int]) -> Row:
+    backend, precision, packing, n = task
     network, _ = tiled(packing, n)
-    start = _resident()
-    state = State(network.positions, network.radii, cell=network.cell)
-    drive = Drive(DELTA**0.5, DELTA)
+    grains, start = network.grains, _resident()
 
-    def run(steps: int) -> float:
-        begin = time.perf_counter()
-        step(state, ContactLaw(), 0.05, drive=drive, steps=steps, skin=0.2, backend=backend)
-        return (time.perf_counter() - begin) / steps * 1e6
+    def state() -> State:
+        return State(network.positions, network.radii, cell=network.cell)
 
-    run(2)
-    steps = max(5, 200_000 // network.grains)
-    best = min(run(steps) for _ in range(3))
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1e3
-    return backend, network.grains, best / network.grains, (peak - start) / network.grains
+    def run(state: State, steps: int) -> float:
+        begin = time.process_time()
+        step(
+            state, ContactLaw(), 0.05, drive=Drive(DELTA**0.5, DELTA), steps=steps, skin=0.2,
+            backend=backend, precision=precision,
+        )  # fmt: skip
+        return (time.process_time() - begin) / steps * 1e6
+
+    moving = state()
+    run(moving, 2)
+    best = min(run(moving, max(50, 200_000 // grains)) for _ in range(3))
+    grown = _grown(start, grains)
+    arrays = _memory(lambda: run(state(), 2))
+    return f"{backend}, {precision}", grains, best / grains, grown, arrays / grains
 
 
-def _solve(task: tuple[str, Packing, int]) -> tuple[str, int, float, float]:
-    _, packing, n = task
-    network, true = tiled(packing, n)
-    start, begin = _resident(), time.perf_counter()
+def _assemble(task: tuple[Packing, int]) -> Row:
+    network, _ = tiled(*task)
+    start, begin = _resident(), time.process_time()
+    force_equation(network)
+    spent = time.process_time() - begin
+    grown = _grown(start, network.grains)
+    network, _ = tiled(*task)
+    arrays = _memory(lambda: force_equation(network))
+    return "assembly", network.grains, spent / network.grains * 1e6, grown, arrays / network.grains
+
+
+def _solve(task: tuple[Packing, int]) -> Row:
+    network, true = tiled(*task)
     G = force_equation(network).G
-    lsmr(G, G @ true, atol=1e-8, btol=1e-8, conlim=0)
-    spent = time.perf_counter() - begin
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1e3
+    b = G @ (true * (1 + 0.3 * np.random.default_rng(1).standard_normal(len(true))))
+
+    def solve() -> object:
+        return lsmr(G, b, atol=1e-8, btol=1e-8, conlim=0)
+
+    begin = time.process_time()
+    solve()
+    spent = time.process_time() - begin
+    arrays = _memory(solve)
     return (
-        "reconstruct",
+        "lsmr to 1e-8",
         network.grains,
         spent / network.grains * 1e6,
-        (peak - start) / len(network.radii),
+        np.nan,
+        (arrays / network.grains),
     )
 
 
-def compute(copies: tuple[int, ...]) -> list[tuple[str, int, float, float]]:
-    """(what, grains, µs per grain (and step), bytes per grain)."""
+def compute(copies: tuple[int, ...]) -> list[Row]:
+    """(what, grains, µs per grain (and step), resident and allocated bytes per grain)."""
     packing = relax(Scene(BASE, DELTA), 1, progress=False)
     backends = [b for b in ("numba", "numpy") if b == "numpy" or find_spec(b)]
     with multiprocessing.get_context("fork").Pool(1, maxtasksperchild=1) as pool:
-        tasks = [(b, packing, n) for b in backends for n in copies]
-        rows = pool.map(_step, tasks, chunksize=1)
-        return rows + pool.map(_solve, [("", packing, n) for n in copies], chunksize=1)
+        steps = [(b, p, packing, n) for b in backends for p in PRECISIONS for n in copies]
+        rows = pool.map(_step, steps, chunksize=1)
+        for part in (_assemble, _solve):
+            rows += pool.map(part, [(packing, n) for n in copies], chunksize=1)
+    return rows
 
 
 class _Clocked(Executor):
@@ -108,7 +153,13 @@ def efficiency(
             spent = []
             for pool in (one, all_cores):
                 begin = time.perf_counter()
-                made = relax_ensemble(scenes, seeds, executor=_Clocked(pool), progress=False)
+                made = relax_ensemble(
+                    scenes,
+                    seeds,
+                    executor=_Clocked(pool),
+                    settings=Settings(),
+                    progress=False,
+                )
                 spent.append(time.perf_counter() - begin)
             gain.append(spent[0] / (workers * spent[1]))
             busy.append(sum(p.info["wall"] for p in made) / (workers * spent[1]))
@@ -120,13 +171,15 @@ def _warm(seed: int) -> None:
     time.sleep(0.2)
 
 
-def text(rows: list[tuple[Any, ...]], shares: tuple[list[float], list[float]]) -> str:
+def text(rows: list[Row], shares: tuple[list[float], list[float]]) -> str:
     """Two tables."""
-    lines = ["| what | N | µs per grain (and step) | bytes per grain |", "|---|---|---|---|"]
-    for what, grains, us, size in rows:
-        # Below 1e4 grains the packing is smaller than what the allocator holds ready.
-        memory = f"{size:.0f}" if grains >= 1e4 else ""
-        lines.append(f"| {what} | {grains} | {us:.3f} | {memory} |")
+    lines = [
+        "| what | N | µs per grain (and step) | resident bytes per grain | bytes of arrays |",
+        "|---|---|---|---|---|",
+    ]
+    for what, grains, us, grown, arrays in rows:
+        resident = "" if np.isnan(grown) else f"{grown:.0f}"
+        lines.append(f"| {what} | {grains} | {us:.3f} | {resident} | {arrays:.0f} |")
     for name, values in zip(("efficiency", "share of time at work"), shares, strict=True):
         low, middle, high = np.quantile(values, (0, 0.5, 1))
         lines += ["", f"Ensembles on {os.cpu_count()} cores: {name} {middle:.2f} "

@@ -1,7 +1,12 @@
 """What a time step costs, and what each piece of physics adds to it.
 
-Both backends on one packing of N = 1000 at Δ = 1e-3, in one run; the ratios are what to read.
-Friction 0 has no history, no rotation, no torques; a fixed cell has no pressure control.
+Both backends on packings of N = 1000 at rest at Δ = 1e-3, all cases interleaved in one run; the
+ratios are what to read.  Friction 0 has no history, no rotation, no torques, and a packing of its
+own (that of friction would flow without it, and rebuild its list); a fixed cell has no pressure
+control.  In this model grains turn because friction turns them and friction remembers: a
+scene has both or neither.  What rotation alone costs is timed piece by piece on the NumPy kernel
+(surface speeds of a pair, sum of torques, kick of the spins); the rest of what friction adds is
+its history (slip, spring, slider).  Numba's single loop cannot be taken apart like that.
 
     python benchmarks/step_cost.py
 """
@@ -9,54 +14,107 @@ Friction 0 has no history, no rotation, no torques; a fixed cell has no pressure
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from importlib.util import find_spec
 
 import numpy as np
 
-from dem import ContactLaw, Drive, Scene, State, relax, step
+from dem import ContactLaw, Drive, History, Packing, Scene, State, relax, step
+from dem.neighbours import find_neighbours
+from dem.numpy_kernel import Motion, contact_forces, kick
 
-DELTA, GRAINS, STEPS, REPEATS = 1e-3, 1000, 500, 7
+DELTA, GRAINS, STEPS, REPEATS = 1e-3, 1000, 300, 9
+PRESSED, FIXED = Drive(drag=DELTA**0.5, pressure=DELTA), Drive(drag=DELTA**0.5)
+REFERENCE = "friction, pressure control"
 CASES = {
-    "friction, pressure control": (ContactLaw(), Drive(drag=DELTA**0.5, pressure=DELTA)),
-    "friction, fixed cell": (ContactLaw(), Drive(drag=DELTA**0.5)),
-    "frictionless, pressure control": (
-        ContactLaw(friction=0.0),
-        Drive(drag=DELTA**0.5, pressure=DELTA),
-    ),
-    "friction, contact dashpot": (
-        ContactLaw(dashpot=0.1),
-        Drive(drag=DELTA**0.5, pressure=DELTA),
-    ),
+    REFERENCE: (ContactLaw(), PRESSED, "float64"),
+    "friction, fixed cell": (ContactLaw(), FIXED, "float64"),
+    "frictionless, pressure control": (ContactLaw(friction=0.0), PRESSED, "float64"),
+    "frictionless, fixed cell": (ContactLaw(friction=0.0), FIXED, "float64"),
+    "friction, contact dashpot": (ContactLaw(dashpot=0.1), PRESSED, "float64"),
+    "friction, float32": (ContactLaw(), PRESSED, "float32"),
 }
 
 
-def microseconds(state: State, law: ContactLaw, drive: Drive, backend: str) -> list[float]:
-    """Time per step, several times over."""
-    step(state, law, 0.05, drive=drive, steps=10, skin=0.2, backend=backend)
-    times = []
-    for _ in range(REPEATS):
-        start = time.perf_counter()
-        step(state, law, 0.05, drive=drive, steps=STEPS, skin=0.2, backend=backend)
-        times.append((time.perf_counter() - start) / STEPS * 1e6)
-    return times
+def microseconds(work: Callable[[], object], times: int) -> float:
+    """Processor time of one call."""
+    start = time.process_time()
+    for _ in range(times):
+        work()
+    return (time.process_time() - start) / times * 1e6
+
+
+def at_rest(packing: Packing) -> State:
+    """The packing with its springs."""
+    history = History(packing.pairs, packing.images, packing.tangential_forces / 0.5)
+    return State(packing.positions, packing.radii, cell=packing.cell, history=history)
+
+
+def steps(packings: dict[bool, Packing], backend: str) -> dict[str, list[float]]:
+    """Time per step of every case, several times over, interleaved."""
+    states = {name: at_rest(packings[law.friction > 0]) for name, (law, _, _) in CASES.items()}
+    spent: dict[str, list[float]] = {name: [] for name in CASES}
+    for repeat in range(REPEATS + 1):  # the first is thrown away
+        for name, (law, drive, precision) in CASES.items():
+            start = time.process_time()
+            step(
+                states[name], law, 0.05, drive=drive, steps=STEPS, skin=0.2, backend=backend,
+                precision=precision,
+            )  # fmt: skip
+            if repeat:
+                spent[name].append((time.process_time() - start) / STEPS * 1e6)
+    return spent
+
+
+def rotation(state: State) -> list[float]:
+    """Time per step that the NumPy kernel spends on rotation, several times over."""
+    near = find_neighbours(state, 0.2)
+    i, j = near.columns
+    motion = Motion(
+        state.positions.view(complex)[:, 0].copy(), state.velocities.view(complex)[:, 0].copy(),
+        state.radii * state.spins, state.masses, float(state.masses.sum()),
+        float(np.prod(near.sides)), 1.0, 0.0,
+    )  # fmt: skip
+    forces = contact_forces(motion, near, ContactLaw(), 0.0)
+    torques = np.zeros(len(i))
+
+    def kicked(rotates: bool) -> Callable[[], object]:
+        return lambda: kick(motion, forces, PRESSED, 0.0, 0.0, rotates)
+
+    return [
+        microseconds(lambda: motion.s[i] + motion.s[j], STEPS)
+        + microseconds(lambda: near.adjacency @ torques, STEPS)
+        + microseconds(kicked(True), STEPS)
+        - microseconds(kicked(False), STEPS)
+        for _ in range(REPEATS)
+    ]
 
 
 def main() -> None:
     """Print one table."""
-    packing = relax(Scene(GRAINS, DELTA), 1)
+    packings = {f: relax(Scene(GRAINS, DELTA, friction=0.3 * f), 1) for f in (True, False)}
     backends = ["numpy"] + ["numba"] * (find_spec("numba") is not None)
-    print(f"N = {GRAINS}, {len(packing.pairs)} contacts; µs per step: median (min–max), ratio")
+    rough, smooth = (len(packings[f].pairs) for f in (True, False))
+    print(f"N = {GRAINS}, {rough} contacts ({smooth} frictionless)")
+    print("µs of processor time per step: median (min–max), ratio")
+
+    def show(backend: str, name: str, times: list[float], reference: float) -> None:
+        median = float(np.median(times))
+        print(
+            f"{backend:6} {name:32} {median:6.1f} ({min(times):.1f}–{max(times):.1f})"
+            f"  {median / reference:.2f}"
+        )
+
     for backend in backends:
-        reference = None
-        for name, (law, drive) in CASES.items():
-            state = State(packing.positions, packing.radii, cell=packing.cell)
-            times = microseconds(state, law, drive, backend)
-            median = float(np.median(times))
-            reference = reference or median
-            print(
-                f"{backend:6} {name:32} {median:6.1f} ({min(times):.1f}–{max(times):.1f})"
-                f"  {median / reference:.2f}"
-            )
+        spent = steps(packings, backend)
+        reference = float(np.median(spent[REFERENCE]))
+        for name, times in spent.items():
+            show(backend, name, times, reference)
+        if backend == "numpy":
+            turning = rotation(at_rest(packings[True]))
+            show(backend, "  of friction: rotation", turning, reference)
+            rest = np.subtract(spent[REFERENCE], spent["frictionless, pressure control"])
+            show(backend, "  of friction: history", list(rest - np.median(turning)), reference)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from dem.ensemble import packing_key, relax_ensemble
 from dem.integrator import step
 from dem.law import ContactLaw, Drive
 from dem.packing import Packing
+from dem.ramp import ramp
 from dem.relax import NotRelaxed, relax
 from dem.scene import Scene
 from dem.settings import Settings
@@ -26,6 +27,7 @@ __all__ = [
     "Settings",
     "State",
     "packing_key",
+    "ramp",
     "refine",
     "relax",
     "relax_ensemble",

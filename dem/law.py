@@ -34,10 +34,12 @@ class ContactLaw:
             value = getattr(self, name)
             if not (isfinite(value) and value > 0):
                 raise ValueError(f"{name} = {value} is not a finite number > 0")
+            object.__setattr__(self, name, float(value))  # a NumPy scalar would widen float32
         for name in ("friction", "dashpot"):
             value = getattr(self, name)
             if not (isfinite(value) and value >= 0):
                 raise ValueError(f"{name} = {value} is not a finite number >= 0")
+            object.__setattr__(self, name, float(value))
 
     @property
     def tangential(self) -> float:

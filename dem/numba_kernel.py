@@ -15,30 +15,36 @@ from dem.numpy_kernel import Forces, Motion
 
 @njit(cache=True, error_model="numpy")
 def _forces(z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, dt, pull, twist):  # type: ignore[no-untyped-def]
-    """Fill ``pull`` and ``twist``, advance ``u`` by ``dt``, return the virial Σ f_n r."""
+    """Fill ``pull`` and ``twist``, advance ``u`` by ``dt``, return the virial Σ f_n r.
+
+    Numbers are of the type of ``s``: a literal would widen float32 to float64.
+    """
+    real = s.dtype.type
+    zero, one, half_dt = real(0.0), real(1.0), real(0.5) * dt
+    size, rate = real(scale), real(rate)
     pull[:] = 0.0
     twist[:] = 0.0
     virial = 0.0
     for e in range(len(i)):
         a, b = i[e], j[e]
-        d = z[b] - z[a] + shift[e] * scale
+        d = z[b] - z[a] + shift[e] * size
         r2 = d.real * d.real + d.imag * d.imag
         if r2 >= sigma[e] * sigma[e]:
-            u[e] = 0.0
+            u[e] = zero
             continue
         r = np.sqrt(r2)
         n = complex(d.real / r, d.imag / r)
         normal = k * (sigma[e] - r)
-        slip = 0j
-        if mu > 0.0 or dashpot > 0.0:
+        slip = complex(zero, zero)
+        if mu > zero or dashpot > zero:
             slip = (v[b] - v[a]) * n.conjugate()
-        if dashpot > 0.0:
-            normal = max(normal - dashpot * (slip.real + rate * r), 0.0)
-        tangential = 0.0
-        if mu > 0.0:
+        if dashpot > zero:
+            normal = max(normal - dashpot * (slip.real + rate * r), zero)
+        tangential = zero
+        if mu > zero:
             turn = s[a] + s[b]
             cap = mu * normal
-            stretched = u[e] + dt * (slip.imag / (1 - 0.5 * dt * slip.real / r) - turn)
+            stretched = u[e] + dt * (slip.imag / (one - half_dt * slip.real / r) - turn)
             tangential = min(max(kt * stretched, -cap), cap)
             u[e] = tangential / kt
             twist[a] += tangential
@@ -55,33 +61,43 @@ def _advance(  # type: ignore[no-untyped-def]
     z, v, s, mass, total, area, scale, rate, i, j, shift, sigma, u, origin, skin, largest,
     k, kt, mu, dashpot, drag, pressure, controlled, dt, steps, drifted, pull, twist, virial,
 ):  # fmt: skip
+    real = s.dtype.type
+    tick = real(dt)  # the cell moves in float64, the grains in their own precision
     for done in range(steps):
         if not drifted:
             stretch = 1 + rate * dt if controlled else 1.0
             scale *= stretch
+            grow, size = real(stretch), real(scale)
             reach = 0.5 * (scale * skin - (1 - scale) * largest)
-            far = 0.0
+            far = real(0.0)
             for g in range(len(z)):
-                z[g] = z[g] * stretch + v[g] * dt
-                w = z[g] - scale * origin[g]
+                z[g] = z[g] * grow + v[g] * tick
+                w = z[g] - size * origin[g]
                 far = max(far, w.real * w.real + w.imag * w.imag)
             if reach <= 0.0 or far >= reach * reach:
                 return done, True, scale, rate, virial
         drifted = False
         virial = _forces(
-            z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, dt, pull, twist
+            z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, tick, pull, twist
         )
         before = 0.0 if done == steps - 1 else 0.5 * dt
         fade = (1 - drag * before) / (1 + drag * 0.5 * dt)
         gain = (before + 0.5 * dt) / (1 + drag * 0.5 * dt)
+        fading, push = real(fade), real(gain)
+        turning = real(2.0) * push
         for g in range(len(z)):
-            v[g] = v[g] * fade + gain * pull[g] / mass[g]
+            v[g] = v[g] * fading + push * pull[g] / mass[g]
         if mu > 0.0:
             for g in range(len(z)):
-                s[g] = s[g] * fade + 2 * gain * twist[g] / mass[g]
+                s[g] = s[g] * fading + turning * twist[g] / mass[g]
         if controlled:
             rate = fade * rate + gain * (virial - 2 * pressure * area * scale**2) / total
     return steps, False, scale, rate, virial
+
+
+def _constants(m: Motion, law: ContactLaw) -> tuple[float, float, float, float]:
+    real = m.s.dtype.type
+    return real(law.stiffness), real(law.tangential), real(law.friction), real(law.dashpot)
 
 
 def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> Forces:
@@ -90,7 +106,7 @@ def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> F
     i, j = near.columns
     virial = _forces(
         m.z, m.v, m.s, m.scale, m.rate, i, j, near.shift, near.sigma, near.elongation,
-        law.stiffness, law.tangential, law.friction, law.dashpot, dt, pull, twist,
+        *_constants(m, law), m.s.dtype.type(dt), pull, twist,
     )  # fmt: skip
     return Forces(pull, twist, float(virial))
 
@@ -111,8 +127,7 @@ def advance(
     done, drifted, m.scale, m.rate, virial = _advance(
         m.z, m.v, m.s, m.mass, m.total, m.area, m.scale, m.rate,
         i, j, near.shift, near.sigma, near.elongation, near.origin, near.skin, near.largest,
-        law.stiffness, law.tangential, law.friction, law.dashpot,
-        drive.drag, drive.pressure or 0.0, controlled,
+        *_constants(m, law), drive.drag, drive.pressure or 0.0, controlled,
         dt, steps, drifted, forces.pull, forces.twist, forces.virial,
     )  # fmt: skip
     return done, drifted, Forces(forces.pull, forces.twist, virial)

@@ -11,13 +11,16 @@ import numpy as np
 
 from dem.neighbours import Neighbours, find_neighbours
 from dem.scene import Scene
-from dem.state import State
+from dem.state import Floats, Ints, State
 
 #: Area fraction of the start.
 LOOSE_FRACTION = 0.70
 #: Grains are pushed to this multiple of touching, so that the last pushes end at a finite gap.
 CLEARANCE = 1.004
 SWEEPS = 20_000
+#: From so many grains on they are numbered along strips this wide: neighbours lie near in memory,
+#: and a step at 1e5 grains costs half (Numba), or three quarters (NumPy), of what it does else.
+STRIPS_FROM, STRIP_WIDTH = 2000, 3.0
 #: Neighbours are looked for again when a grain has moved half of this.
 LIST_WIDTH = 0.15
 
@@ -32,7 +35,10 @@ def loose_state(scene: Scene, rng: np.random.Generator) -> State:
     radii *= 0.5 / radii.mean()
     area = np.pi * np.sum(radii**2) / LOOSE_FRACTION
     sides = np.sqrt(area) * np.array([scene.aspect**0.5, scene.aspect**-0.5])
-    state = State(rng.uniform(0, 1, (scene.grains, 2)) * sides, radii, cell=np.diag(sides))
+    positions = rng.uniform(0, 1, (scene.grains, 2)) * sides
+    if scene.grains >= STRIPS_FROM:
+        positions = positions[_along_strips(positions)]
+    state = State(positions, radii, cell=np.diag(sides))
     z = state.positions.view(complex)[:, 0]
     near = None
     for _ in range(SWEEPS):
@@ -45,6 +51,12 @@ def loose_state(scene: Scene, rng: np.random.Generator) -> State:
         f"{scene.grains} grains of polydispersity {spread} found no loose start "
         f"at area fraction {LOOSE_FRACTION}"
     )
+
+
+def _along_strips(positions: Floats) -> Ints:
+    """Order up one strip and down the next."""
+    strip = np.floor(positions[:, 0] / STRIP_WIDTH).astype(np.int64)
+    return np.lexsort((np.where(strip % 2, -1, 1) * positions[:, 1], strip))
 
 
 def _push_apart(z: np.ndarray, near: Neighbours) -> bool:

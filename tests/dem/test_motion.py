@@ -321,3 +321,15 @@ def test_exploding_time_step_says_so(backend):
         np.errstate(all="ignore"),
     ):
         step(state, ContactLaw(friction=0.0), 1e200, steps=5, backend=backend)
+
+
+def test_large_packings_are_numbered_along_strips():
+    """Neighbours lie within a few strips of each other in memory (at random: N/3 apart); the
+    grains themselves are drawn as ever, and small packings are numbered as they are drawn."""
+    large = loose_state(Scene(2000, 1e-2), np.random.default_rng(1))
+    small = loose_state(Scene(1999, 1e-2), np.random.default_rng(1))
+    apart = [np.median(np.ptp(find_neighbours(s, 0.2).pairs, axis=1)) for s in (large, small)]
+    assert apart[0] < 2 * 3 * np.sqrt(2000)
+    assert apart[1] > 0.2 * 1999
+    again = 0.5 * (1 + 0.3 * np.random.default_rng(1).uniform(-1, 1, 2000))
+    assert np.array_equal(large.radii, again * (0.5 / again.mean()))

@@ -8,11 +8,32 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import example, given, target
+from hypothesis import example, given, settings, target
 from hypothesis import strategies as st
 
-from dem import NotRelaxed, Packing, Scene, Settings, refine, relax
-from scaling import ContactNetwork, force_equation, reconstruct, relative_error
+from dem import (
+    ContactLaw,
+    Drive,
+    History,
+    NotRelaxed,
+    Packing,
+    Scene,
+    Settings,
+    State,
+    ramp,
+    refine,
+    relax,
+    step,
+)
+from scaling import (
+    ContactNetwork,
+    force_equation,
+    reconstruct,
+    relative_error,
+    tiled,
+    tiled_forces,
+)
+from tests.conftest import packing
 from tests.properties.test_reconstruction import rounding
 from tests.scaling.networks import lattice, loaded
 
@@ -29,6 +50,11 @@ def right_or_refused(scene: Scene, seed: int) -> tuple[Packing | None, float]:
         p = relax(scene, seed, progress=False)
     except (NotRelaxed, ValueError):
         return None, 0.0
+    return p, error_over_bound(p)
+
+
+def error_over_bound(p: Packing) -> float:
+    """The same of a packing at hand, asserted to balance."""
     assert p.residuals().max() <= 1e-9
     network = ContactNetwork.from_packing(p)
     try:
@@ -36,14 +62,14 @@ def right_or_refused(scene: Scene, seed: int) -> tuple[Packing | None, float]:
     except (ValueError, RuntimeError) as refusal:
         if not any(word in str(refusal) for word in REFUSALS):
             raise
-        return p, 0.0
+        return 0.0
     error = np.abs(found.forces - p.forces).max() / p.pressure
     # Positions hold the polished forces as far as doubles can, however soft the packing.
     lag = np.abs(p.normal_forces - p.stiffness * p.overlaps).max()
     assert lag <= 10 * EPS * p.cell.max()
     worst = float(error / rounding(p))
     assert worst <= 1
-    return p, worst
+    return worst
 
 
 @given(
@@ -75,6 +101,10 @@ def test_extreme_scenes_are_right_or_refused(grains, delta, friction, spread, as
         (Scene(64, 1e-4, friction=0.0, polydispersity=0.6), (3.7, 4.2)),
         (Scene(100, 1e-3, polydispersity=0.6), (3.1, 3.9)),
         (Scene(100, 1e-3, aspect=2.5), (3.1, 3.9)),
+        (Scene(200, 1e-3, aspect=10.0), (3.1, 3.9)),
+        (Scene(200, 1e-3, aspect=0.1), (3.1, 3.9)),
+        (Scene(64, 0.1, friction=10.0, polydispersity=0.0), (4.0, 5.5)),
+        (Scene(64, 1e-2, friction=1.0, polydispersity=0.9), (2.9, 4.0)),
     ],
     ids=str,
 )
@@ -94,11 +124,47 @@ def test_refining_brings_positions_up_to_the_forces():
     assert np.abs(found.forces - fine.forces).max() <= 1e-13 * p.pressure
 
 
-def test_same_packing_compressed_by_steps_of_pressure():
-    """Δ from 1e-4 to 1e-1, each relaxed from scratch: Z and φ rise monotonically."""
-    ramp = [relax(Scene(64, d), 1, progress=False) for d in (1e-4, 1e-3, 1e-2, 1e-1)]
-    assert np.all(np.diff([p.coordination for p in ramp]) > 0)
-    assert np.all(np.diff([p.solid_fraction for p in ramp]) > -0.005)
+@given(
+    start=st.sampled_from([1e-2, 1e-1, 1e-3, 1e-5]),
+    path=st.lists(st.floats(-5, -0.75).map(lambda e: 10.0**e), min_size=1, max_size=3),
+    friction=st.sampled_from([0.3, 0.0, 1.0, 10.0]),
+    spread=st.sampled_from([0.3, 0.0, 0.6]),
+    seed=st.integers(0, 5),
+)
+@settings(max_examples=max(8, settings.default.max_examples // 3))
+@example(1e-5, [0.17, 1e-5], 0.3, 0.3, 1)
+@example(1e-1, [1e-5, 1e-1], 0.0, 0.6, 2)
+def test_ramps_are_right_or_refused(start, path, friction, spread, seed):
+    """Pressure up and down by any factor up to 1e4: every stage balances and its forces are
+    reconstructed, or the ramp says that it did not come to rest."""
+    p = packing(36, start, friction, spread, seed, time_step=0.8)
+    try:
+        stages = ramp(p, path, settings=Settings(longest=300.0), progress=False)
+    except NotRelaxed:
+        return
+    assert [stage.delta for stage in stages] == path
+    worst = max(error_over_bound(stage) for stage in stages)
+    target(worst, label="error over its bound")
+
+
+def test_a_hundred_thousand_grains():
+    """324 grains tiled 18 × 18 (N = 104 976): lsmr to 100 times its tolerance, and the motion of
+    the large packing is that of the small one: it stays at rest to the round-off of L = 300."""
+    p = packing(grains=324, delta=1e-2, time_step=0.8)
+    network = ContactNetwork.from_packing(p)
+    large = tiled(network, 18)
+    true = tiled_forces(network, p.forces, 18)
+    found = reconstruct(large, p.stiffness, solver="lsmr", tol=1e-6)
+    assert large.grains == 104_976
+    assert relative_error(found.forces, true) <= 100 * 1e-6
+    springs = np.split(true, 2)[1] / 0.5
+    state = State(
+        large.positions, large.radii, cell=large.cell,
+        history=History(large.pairs, large.images, springs),
+    )  # fmt: skip
+    step(state, ContactLaw(), 0.1, drive=Drive(0.1, p.pressure), steps=5, skin=0.2)
+    noise = EPS * large.cell.max() / p.pressure
+    assert np.abs(state._forces.pull).max() / p.pressure <= 20 * noise
 
 
 def forces_or_refusal(network: ContactNetwork) -> tuple[float, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -17,6 +16,7 @@ from scaling import (
     relative_error,
 )
 from tests.conftest import packing
+from tests.scaling.exact import exact_sums
 from tests.scaling.networks import triangle
 
 EPS = np.finfo(float).eps
@@ -24,28 +24,6 @@ EPS = np.finfo(float).eps
 
 def naive(p) -> ContactNetwork:
     return ContactNetwork(p.positions, p.radii, p.pairs, cell=p.cell, images=p.images)
-
-
-def exact_sums(p, network: ContactNetwork) -> list[mpmath.mpf]:
-    """Q|σ⟩ of every face at 60 digits, x then y, from the saved high and low parts."""
-    mp, loops = mpmath.mpf, network.loops.incidence.tocsr()
-    with mpmath.workdps(60):
-        x = [
-            [mp(h) + mp(t) for h, t in zip(high, low, strict=True)]
-            for high, low in zip(p.positions.tolist(), p.positions_low.tolist(), strict=True)
-        ]
-        side = [mp(p.cell[k, k]) + mp(p.cell_low[k, k]) for k in (0, 1)]
-        n = []
-        for (i, j), m in zip(p.pairs.tolist(), p.images.tolist(), strict=True):
-            d = [x[j][k] - x[i][k] + m[k] * side[k] for k in (0, 1)]
-            r = mpmath.sqrt(d[0] ** 2 + d[1] ** 2)
-            σ = mp(p.radii[i]) + mp(p.radii[j])
-            n.append([d[0] / r, d[1] / r, σ])
-        return [
-            sum(int(loops.data[q]) * n[loops.indices[q]][k] * n[loops.indices[q]][2]
-                for q in range(loops.indptr[a], loops.indptr[a + 1]))
-            for k in (0, 1) for a in range(len(network.loops))
-        ]  # fmt: skip
 
 
 @pytest.mark.parametrize("delta", [1e-8, 1e-12])

@@ -1,0 +1,109 @@
+"""Pressure up and down again: Z, φ and kept contacts along the way, with and without friction.
+
+Packings relaxed at the lowest Δ go up by decades and back by ``dem.ramp``; beside them the mean of
+packings relaxed at each Δ from a gas.  Per stage: noise-free error of the reconstruction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import Executor
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from dem import Packing, Scene, Settings, ramp, relax
+from paper_figs.style import MARKERS, plt
+from scaling import ContactNetwork, reconstruct, relative_error
+
+UP = (1e-4, 1e-3, 1e-2, 1e-1)
+PATH = UP + UP[-2::-1]
+FRICTIONS = (0.3, 0.0)
+TABLE = np.dtype([
+    ("friction", float), ("stage", int), ("delta", float), ("seed", int), ("Z", float),
+    ("phi", float), ("kept", float), ("error", float), ("Z_fresh", float), ("phi_fresh", float),
+    ("steps", int),
+])  # fmt: skip
+
+
+def _contacts(p: Packing) -> set[tuple[int, ...]]:
+    return set(map(tuple, np.hstack([p.pairs, p.images]).tolist()))
+
+
+def measure(task: tuple[int, float, int]) -> list[tuple[Any, ...]]:
+    """The rows of one packing."""
+    grains, friction, seed = task
+    fast = Settings()
+    fresh = [
+        relax(Scene(grains, d, friction=friction), seed, settings=fast, progress=False) for d in UP
+    ]
+    stages = [fresh[0], *ramp(fresh[0], PATH[1:], settings=fast, progress=False)]
+    rows = []
+    for k, p in enumerate(stages):
+        network = ContactNetwork.from_packing(p)
+        found = reconstruct(network, p.stiffness, frictional=friction > 0)
+        kept = len(_contacts(p) & _contacts(stages[0])) / len(stages[0].pairs)
+        other = fresh[UP.index(PATH[k])]
+        rows.append((
+            friction, k, p.delta, seed, p.coordination, p.solid_fraction, kept,
+            relative_error(found.forces, p.forces, frictional=friction > 0),
+            other.coordination, other.solid_fraction, p.info["steps"],
+        ))  # fmt: skip
+    return rows
+
+
+def compute(executor: Executor, grains: int, seeds: Iterable[int]) -> np.ndarray:
+    """All frictions and seeds."""
+    tasks = [(grains, friction, seed) for friction in FRICTIONS for seed in seeds]
+    return np.array([row for rows in executor.map(measure, tasks) for row in rows], TABLE)
+
+
+def _mean(values: np.ndarray, digits: int) -> str:
+    return f"{values.mean():.{digits}f} ± {values.std() / np.sqrt(len(values)):.{digits}f}"
+
+
+def text(table: np.ndarray) -> str:
+    """Means over packings with standard errors."""
+    lines = [
+        "| μ | Δ | Z | φ | contacts kept | Z, from a gas | φ, from a gas | E |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for friction in FRICTIONS:
+        for k in range(len(PATH)):
+            mine = table[(table["friction"] == friction) & (table["stage"] == k)]
+            cells = [
+                f"{friction:g}", f"{PATH[k]:.0e}", _mean(mine["Z"], 3), _mean(mine["phi"], 4),
+                _mean(mine["kept"], 3), _mean(mine["Z_fresh"], 3), _mean(mine["phi_fresh"], 4),
+                f"{mine['error'].max():.0e}",
+            ]  # fmt: skip
+            lines.append(f"| {' | '.join(cells)} |")
+        first, last = (
+            table[(table["friction"] == friction) & (table["stage"] == k)]["phi"]
+            for k in (0, len(PATH) - 1)
+        )
+        lines.append(f"| {friction:g} | there and back | | {_mean(last - first, 4)} | | | | |")
+    return "\n".join(lines)
+
+
+def plot(table: np.ndarray) -> Figure:
+    """Z and φ against Δ: filled on the way up, open on the way down, crosses from a gas."""
+    figure, axes = plt.subplots(1, 2, figsize=(6.8, 2.8), layout="constrained")
+    ways = (range(len(UP)), range(len(UP) - 1, len(PATH)))
+    for panel, column, label in zip(
+        axes, ("Z", "phi"), ("coordination $Z$", r"solid fraction $\phi$"), strict=True
+    ):
+        for friction, marker, colour in zip(FRICTIONS, MARKERS, ("C0", "C1"), strict=False):
+            rough = table[table["friction"] == friction]
+            for way, face in zip(ways, (colour, "white"), strict=True):
+                groups = [rough[rough["stage"] == k][column] for k in way]
+                panel.errorbar(
+                    [PATH[k] for k in way], [g.mean() for g in groups],
+                    [g.std() / np.sqrt(len(g)) for g in groups], marker=marker, color=colour,
+                    mfc=face, label=rf"$\mu$ = {friction:g}, {'up' if face == colour else 'down'}",
+                )  # fmt: skip
+            fresh = [rough[rough["stage"] == k][f"{column}_fresh"].mean() for k in ways[0]]
+            panel.plot(UP, fresh, "x", color="0.3", label=None if friction else "from a gas")
+        panel.set(xscale="log", xlabel=r"$\Delta = p/\kappa$", ylabel=label)
+    axes[0].legend()
+    return figure

@@ -1,0 +1,127 @@
+"""A packing taken through a series of pressures, up or down, its history kept.
+
+Grains, contacts and tangential springs are those of the packing before.  In each stage
+
+    sweep   p moves from p_k to p_{k+1} at a constant rate d ln p/dt = ± RATE √(p/ρ)/⟨σ⟩
+    rest    at p_{k+1} grains come to rest and are polished, as at the end of ``relax``.
+
+κ stays 1, so that Δ = p.  This is physical loading and unloading: contacts slide, open and close,
+and with friction what comes back is not what was (unlike ``stiffen``, which keeps f/p).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import exp, sqrt
+from typing import Any
+
+import numpy as np
+
+from dem.integrator import step
+from dem.law import ContactLaw, Drive, stable_time_step
+from dem.packing import Packing
+from dem.relax import CONTINUED_BELOW, NotRelaxed, check_noise, come_to_rest
+from dem.scene import LARGEST_DELTA, Scene, real_number
+from dem.settings import Settings
+from dem.state import History, State
+
+#: Changes of ln p per inertial time: a decade takes 23 of them, as long as coming to rest does.
+RATE = 0.1
+#: Steps between two values of the pressure.
+STRIDE = 20
+
+
+def ramp(
+    packing: Packing,
+    deltas: Iterable[float],
+    *,
+    settings: Settings = Settings(),  # noqa: B008  (frozen)
+    progress: bool | None = None,
+) -> list[Packing]:
+    """Packings at each of ``deltas`` (Δ = p, from 1e-6 to 0.2), each made from the one before.
+
+    The first is made from ``packing``.  Stages far apart are swept, not jumped; ask for those in
+    between to keep them.  ``info["ramp"]`` says from which Δ a packing came; steps and inertial
+    times are those of the rest after the sweep.
+
+    Raises
+    ------
+    ValueError : a Δ out of range, an open packing, one with external loads or κ other than 1;
+        float32 with Δ < 1e-4.
+    NotRelaxed : a stage did not come to rest; its note says which.
+    """
+    path = [_checked(delta, settings) for delta in deltas]
+    _check(packing)
+    made: list[Packing] = []
+    for k, delta in enumerate(path):
+        before = made[-1] if made else packing
+        try:
+            made.append(_stage(before, delta, settings, progress))
+        except NotRelaxed as failure:
+            failure.add_note(f"in stage {k} of the ramp, from Δ = {before.delta:g} to {delta:g}")
+            raise
+    return made
+
+
+def _checked(delta: Any, settings: Settings) -> float:
+    delta = real_number("delta", delta)
+    if not CONTINUED_BELOW <= delta <= LARGEST_DELTA:
+        raise ValueError(
+            f"delta = {delta:g} is outside [{CONTINUED_BELOW:g}, {LARGEST_DELTA}]: below, time "
+            "integration stalls (stiffen continues a packing, but not as unloading does)"
+        )
+    check_noise(delta, settings)
+    return delta
+
+
+def _check(packing: Packing) -> None:
+    if packing.cell is None:
+        raise ValueError("a ramp is for periodic packings; this one has no cell")
+    if packing.stiffness != 1:
+        raise ValueError(f"stiffness = {packing.stiffness:g}: a ramp is run in units κ = 1")
+    if loaded := np.flatnonzero(packing.external.any(axis=1)).tolist():
+        raise ValueError(f"grain {loaded[0]} bears an external load; a ramp has none")
+
+
+def _stage(packing: Packing, delta: float, settings: Settings, progress: bool | None) -> Packing:
+    scene = _scene(packing, delta)
+    state = _state(packing, scene)
+    try:
+        _sweep(state, packing.delta, scene, settings)
+    except FloatingPointError as burst:
+        raise NotRelaxed(f"Δ = {delta:g}: {burst}", state, np.inf, np.inf) from burst
+    new = come_to_rest(state, scene, packing.info.get("seed", 0), settings, progress)
+    new.info["ramp"] = {"from": packing.delta}
+    return new
+
+
+def _scene(packing: Packing, delta: float) -> Scene:
+    if "scene" in packing.info:
+        return replace(Scene(**packing.info["scene"]), delta=delta)
+    return Scene(len(packing.radii), delta, friction=packing.friction)
+
+
+def _state(packing: Packing, scene: Scene) -> State:
+    """Grains at rest, with the springs that the tangential forces stretch."""
+    elongations = packing.tangential_forces / scene.stiffness_ratio
+    history = History(packing.pairs, packing.images, elongations)
+    return State(packing.positions, packing.radii, cell=packing.cell, history=history)
+
+
+def _sweep(state: State, p: float, scene: Scene, settings: Settings) -> None:
+    mass = float(np.pi * np.mean(state.radii) ** 2)
+    law = ContactLaw(
+        stiffness_ratio=scene.stiffness_ratio,
+        friction=scene.friction,
+        dashpot=settings.dashpot * sqrt(mass),
+    )
+    dt = stable_time_step(law, float(state.masses.min()), settings.time_step)
+    target = scene.pressure
+    while p != target:
+        change = exp(RATE * STRIDE * dt * sqrt(p))
+        p = min(p * change, target) if p < target else max(p / change, target)
+        step(
+            state, law, dt, drive=Drive(settings.drag * sqrt(p), p), steps=STRIDE,
+            skin=settings.skin, backend=settings.backend, precision=settings.precision,
+        )  # fmt: skip
