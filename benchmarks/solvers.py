@@ -150,6 +150,13 @@ def exponents(table: np.ndarray, column: str) -> dict[str, tuple[float, float, i
     return found
 
 
+def _exponent(fit: tuple[float, float, int] | None) -> str:
+    if fit is None:
+        return "not seen"
+    slope, error, sizes = fit
+    return f"{slope:.1f} (two sizes)" if sizes == 2 else f"{slope:.2f} ± {error:.2f}"
+
+
 def text(table: np.ndarray) -> str:
     """One line per solver and size, then the exponents."""
     lines = ["| solver | N | s | MB | E |", "|---|---|---|---|---|"]
@@ -161,10 +168,7 @@ def text(table: np.ndarray) -> str:
     lines += ["", "| solver | time ~ N^ | memory ~ N^ |", "|---|---|---|"]
     time_of, memory_of = exponents(table, "seconds"), exponents(table, "MB")
     for name in time_of:
-        cells = [
-            f"{fit[0]:.2f} ± {fit[1]:.2f} ({fit[2]} sizes)" if fit else "not seen"
-            for fit in (time_of[name], memory_of.get(name))
-        ]
+        cells = [_exponent(fits.get(name)) for fits in (time_of, memory_of)]
         lines.append(f"| {name} | {cells[0]} | {cells[1]} |")
     return "\n".join(lines)
 

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from benchmarks import dem_trade, floor, relaxation, rounding, solvers
+from benchmarks import dem_trade, floor, ramps, relaxation, rounding, size, solvers
 from benchmarks.tiling import tiled
 from dem import refine, relax
 from scaling import force_equation, reconstruct, relative_error
@@ -23,9 +23,10 @@ def test_tiles_are_the_same_packing_many_times():
     assert relative_error(reconstruct(network, p.stiffness).forces, forces) < 1e-11
 
 
-def test_every_solver_finds_the_forces():
+def test_every_solver_finds_the_forces(monkeypatch):
     """To rounding times the condition (squared where GᵀG is formed and not refined), or to 100
     times the tolerance it was given."""
+    monkeypatch.setattr(solvers, "PATIENCE", 0.0)
     p = refine(packing(grains=48, delta=1e-3))
     condition = force_equation(tiled(p, 1)[0]).conditioning.condition
     for name in solvers.SOLVERS:
@@ -68,3 +69,32 @@ def test_floor_and_rounding_figures_are_drawn():
     assert floor.plot(table).axes
     assert "1e-10" in floor.text(table)
     assert rounding.plot(rounding.compute([packing(delta=1e-2)], ["float32", "4 decimals"])).axes
+
+
+def test_ramps_are_measured_and_drawn():
+    with ThreadPoolExecutor(1) as pool:
+        table = ramps.compute(pool, 36, [1])
+    assert table["error"].max() < 1e-7
+    assert table["kept"][0] == 1
+    assert "there and back" in ramps.text(table)
+    assert ramps.plot(table).axes
+
+
+def test_memory_of_arrays_does_not_depend_on_size():
+    """Bytes a grain of assembly, one tile against nine, within a quarter."""
+    p = packing(grains=100, delta=1e-3)
+    few, many = (size._assemble((p, n))[-1] for n in (1, 3))
+    assert many == pytest.approx(few, rel=0.25)
+
+
+def test_exponents_come_with_their_errors():
+    """seconds ~ N^1.5 within 1 %: the slope is found to three standard errors, which are small."""
+    rng = np.random.default_rng(0)
+    grains = np.array([100, 400, 1600, 6400])
+    table = np.zeros(4, solvers.TABLE)
+    table["solver"], table["grains"] = "factor", grains
+    table["seconds"] = grains**1.5 * (1 + 0.01 * rng.standard_normal(4))
+    slope, error, sizes = solvers.exponents(table, "seconds")["factor"]
+    assert sizes == 4
+    assert abs(slope - 1.5) < 3 * error < 0.05
+    assert not solvers.exponents(table, "MB")
