@@ -25,7 +25,7 @@ import numpy as np
 from scipy.sparse.linalg import lsmr
 
 from benchmarks.tiling import tiled
-from dem import ContactLaw, Drive, Packing, Scene, Settings, State, relax, relax_ensemble, step
+from dem import ContactLaw, Drive, Packing, Scene, State, relax, relax_ensemble, step
 from dem.integrator import PRECISIONS
 from scaling import force_equation
 
@@ -144,7 +144,7 @@ def efficiency(
 ) -> tuple[list[float], list[float]]:
     """Efficiency and busy share of ``relax_ensemble`` on all cores, repeats interleaved."""
     workers = os.cpu_count() or 1
-    scenes, seeds, fast = [Scene(grains, 1e-3)] * packings, range(packings), Settings()
+    scenes, seeds = [Scene(grains, 1e-3)] * packings, range(packings)
     gain, busy = [], []
     with ProcessPoolExecutor(1) as one, ProcessPoolExecutor(workers) as all_cores:
         for pool, count in ((one, 1), (all_cores, workers)):  # start workers, compile
@@ -157,7 +157,6 @@ def efficiency(
                     scenes,
                     seeds,
                     executor=_Clocked(pool),
-                    settings=fast,
                     progress=False,
                 )
                 spent.append(time.perf_counter() - begin)

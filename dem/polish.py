@@ -25,8 +25,10 @@ LONGEST_MOVE = 0.2
 #: Diagonal shift of the tangent, in κ, per residual/p: it vanishes as Newton converges, but where
 #: nothing holds a group of grains it lets them move by ~ Δ, off their contacts, and no further.
 SHIFT = 1.0
-#: Refinements of the forces once positions can do no more.
-REFINEMENTS = 20
+#: Largest f_n - κ overlap after the last moves, in κ ε L: more, and they were not linear.
+LAG = 10
+#: Refinements of the forces once positions can do no more, and times that contacts may be opened.
+REFINEMENTS, OPENINGS = 20, 5
 
 
 class PolishFailed(ArithmeticError):
@@ -40,8 +42,8 @@ def polish(state: State, near: Neighbours, law: ContactLaw, pressure: float) -> 
     round-off; the state is then as it was.
     """
     balance = Equilibrium(state, near, law, pressure)
-    # Positions cannot hold the residual below ~ κ ε L.
-    floor = 2 * law.stiffness * np.finfo(float).eps * float(state.cell.max())  # type: ignore
+    # A sum of forces κ δ, δ the difference of lengths of order 1, is good to ~ κ ε.
+    floor = 10 * law.stiffness * np.finfo(float).eps
     kept, iterations = newton(balance, floor, max(1e-9 * pressure, 100 * floor))
     rest, y = _carry(balance, kept, pressure, iterations)
     _store(state, balance, y, rest)
@@ -81,7 +83,27 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
 def _carry(
     balance: Equilibrium, trial: Trial, pressure: float, iterations: int
 ) -> tuple[Rest, Floats]:
-    """Forces after the last increments, f + df(y), and the moves that hold them."""
+    """Forces after the last increments, f + df(y), and the moves that hold them.
+
+    Contacts that would have to pull are opened, and the rest carried on without them.
+    """
+    for _ in range(OPENINGS):
+        normal, tangential, moves = _increments(balance, trial)
+        overlaps = balance.branches(moves)[1]
+        lag = np.abs(normal - balance.law.stiffness * overlaps)[trial.bearing].max(initial=0.0)
+        if lag > LAG * balance.law.stiffness * np.finfo(float).eps * balance.near.sides.max():
+            raise PolishFailed(f"f_n - κ overlap is {lag / pressure:.2g} p: moves too long")
+        pulls = trial.bearing & (normal < 0)
+        if not pulls.any():
+            residual = np.abs(trial.residual(normal, tangential)).max()
+            worst = float(residual) / pressure
+            return Rest(normal, tangential, trial.bearing, worst, iterations), moves
+        trial = balance.without(trial, pulls)
+    raise PolishFailed(f"{int(pulls.sum())} contacts would have to pull")
+
+
+def _increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Floats]:
+    """Normal and tangential forces, refined on the tangent at ``trial``, and the moves."""
     on_normal, on_slip, slides = balance.response(trial)
     normal, tangential = trial.normal, trial.tangential
     residual = trial.residual(normal, tangential)
@@ -95,8 +117,7 @@ def _carry(
         if np.abs(new_residual).max() >= np.abs(residual).max():
             break
         normal, tangential, residual, moves = new_normal, new_tangential, new_residual, moves + y
-    worst = float(np.abs(residual).max()) / pressure
-    return Rest(normal, tangential, trial.bearing, worst, iterations), moves
+    return normal, tangential, moves
 
 
 def _store(state: State, balance: Equilibrium, y: Floats, rest: Rest) -> None:

@@ -16,7 +16,7 @@ and the residual R = M f - (0 ; 2 p A/ℓ) by
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array, diags_array, eye_array
@@ -85,6 +85,18 @@ class Equilibrium:
             load=2 * self.pressure * self.area * self.stretch(y) ** 2 / self.span,
         )  # fmt: skip
 
+    def without(self, trial: Trial, opened: np.ndarray) -> Trial:
+        """``trial`` with the contacts ``opened`` bearing nothing, nor what falls with them."""
+        fewest = fewest_contacts(self.law)
+        bearing = backbone(self.near.pairs, trial.bearing & ~opened, self.count, fewest)
+        return replace(
+            trial,
+            normal=np.where(bearing, trial.normal, 0.0),
+            tangential=np.where(bearing, trial.tangential, 0.0),
+            bearing=bearing,
+            sliding=trial.sliding & bearing,
+        )
+
     def stretch(self, y: Floats) -> float:
         """Size of the cell after ``y``, in units of that at the start."""
         return float(1 + y[-1] / self.span)
@@ -94,10 +106,14 @@ class Equilibrium:
         return self.z * self.stretch(y) + (y[: self.count] + 1j * y[self.count : 2 * self.count])
 
     def branches(self, y: Floats) -> tuple[np.ndarray, Floats, Floats]:
-        """Branch vectors (complex), overlaps, and displacements across the starting branch."""
+        """Branch vectors (complex), overlaps, and displacements across the starting branch.
+
+        From the moves, not from the moved positions: these are rounded to ε L, and soft packings
+        turn that noise into moves that no longer are small.
+        """
         i, j = self.near.columns
-        z = self.centres(y)
-        d = z[j] - z[i] + self.near.shift * self.scale * self.stretch(y)
+        u = y[: self.count] + 1j * y[self.count : 2 * self.count]
+        d = self.start * self.stretch(y) + (u[j] - u[i])
         aside = (d * (self.start / np.abs(self.start)).conj()).imag
         return d, self.near.sigma - np.abs(d), aside
 
