@@ -97,14 +97,41 @@ def bounded_forces(
     f[: posterior.equation.network.contacts] = posterior.mean_force
     passes = 2 if noise is not None and noise.moves else 1
     for _ in range(passes):  # the turning of directions is linear at the forces of the last pass
-        f, η, report = _solve(posterior, f, shift)
+        task = programme(posterior, f, shift)
+        z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
+        f, η = task.forces(z), task.noise(z)
     return f, η, report
 
 
-def _solve(
-    p: Posterior, last: Floats, shift: tuple[Floats, Floats] | None
-) -> tuple[Floats, Floats, dict[str, Any]]:
-    """One programme in z = (f/f̄ ; g η ; free moments ; κ gap/f̄)."""
+@dataclass(frozen=True, eq=False)
+class Programme:
+    """min ½ zᵀP z + qᵀz, equal z = b, cone z <= 0 in z = (f/f̄ ; g η ; free moments ; κ gap/f̄)."""
+
+    P: Floats
+    q: Floats
+    equal: csr_array
+    b: Floats
+    cone: csr_array
+    mean_force: float
+    g: float
+    unknowns: int
+    sources: int
+    explicit: slice
+    """The rows that give f_n/f̄ in terms of the rest, for data="all"; none else."""
+
+    def forces(self, z: Floats) -> Floats:
+        """f of z (n,), or of (n, draws)."""
+        return self.mean_force * z[: self.unknowns]
+
+    def noise(self, z: Floats) -> Floats:
+        """η of z."""
+        return z[self.unknowns : self.unknowns + self.sources] / self.g
+
+
+def programme(
+    p: Posterior, last: Floats, shift: tuple[Floats, Floats] | None = None
+) -> Programme:
+    """The programme of a posterior, with the turning of directions at the forces `last`."""
     equation, f0, c, n = p.equation, p.mean_force, p.equation.network.contacts, p.equation.unknowns
     k = 0 if p.noise is None else p.noise.count
     # g η: unit prior of η for weak noise, unit effect on f/f̄ for strong noise.
@@ -146,8 +173,11 @@ def _solve(
     # A gap has an exponential prior of mean √2 ξ, the scatter of the distance of two centres.
     price = 1 / (np.sqrt(2) * strength) if p.gaps else 0.0
     q = np.concatenate([-mean / width**2, np.zeros(k + s), np.full(v, price)])
-    z, report = minimise(P, q, equal, np.concatenate(b), cone)
-    return f0 * z[:n], z[n : n + k] / g, report
+    first = equation.M.shape[0]
+    explicit = slice(first, first + (c if p.noise is not None and p.data == "all" else 0))
+    return Programme(
+        P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit
+    )  # fmt: skip
 
 
 def _data(
