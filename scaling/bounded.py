@@ -36,12 +36,18 @@ if TYPE_CHECKING:
 class Prior:
     """What forces are before any geometry is measured, in units of f̄.
 
-    mean : of f_n; normal, tangential : standard deviations of f_n and f_t
+    mean : of f_n; normal, tangential : standard deviations of f_n and f_t, positive
     """
 
     mean: float = 1.0
     normal: float = 1.0
     tangential: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("normal", "tangential"):
+            width = getattr(self, name)
+            if not (np.isfinite(width) and width > 0):
+                raise ValueError(f"prior: {name} = {width}, a standard deviation is positive")
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +143,7 @@ def programme(
     # g η: unit prior of η for weak noise, unit effect on f/f̄ for strong noise.
     strength = 0.0 if p.noise is None else p.stiffness * p.noise.xi / f0
     g = max(1.0, strength)
-    η0, width, mean = np.zeros(k), np.full(n, p.prior.normal), np.zeros(n)
+    η0, width, mean = np.zeros(k), np.full(n, float(p.prior.normal)), np.zeros(n)
     width[c:] = p.prior.tangential
     mean[:c] = p.prior.mean
     if shift is not None:
