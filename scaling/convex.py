@@ -4,8 +4,8 @@ min ½ zᵀP z + qᵀz   subject to   A_e z = b ,   A_c z <= m
 
 clarabel regularises its linear systems, and the remedy for one programme is the disease of
 another: equilibrium with exact directions has nearly redundant rows, which the default
-constant 1e-8 blurs to reduced accuracy and 1e-10 does not; data much weaker than the prior can break
-down until the rows are left unscaled. So settings are tried in turn until one solves.
+constant 1e-8 blurs to reduced accuracy and 1e-10 does not; data much weaker than the prior can
+break it down until the rows are left unscaled. So settings are tried in turn until one solves.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from scipy.sparse import csc_array, csc_matrix, diags_array, vstack
 from scaling.checks import Floats
 
 _FEASIBLE = 1e-5
-"""What clarabel itself accepts as "AlmostSolved" for data of order 1."""
+"""Violation up to which a solve that ended early counts."""
 _ATTEMPTS = ((1e-10, True), (1e-8, True), (1e-8, False), (1e-6, True))
 """Constant of the static regularisation, and whether rows and columns are equilibrated."""
 _NOTHING = "PrimalInfeasible"
@@ -32,7 +32,7 @@ def minimise(
 
     The report has status, iterations (of the attempt that is returned), and tolerance, the
     largest violation. Status "Solved": to clarabel's 1e-8; "AlmostSolved" or
-    "InsufficientProgress": no attempt did better, conditions hold to `tolerance` < 1e-5.
+    "InsufficientProgress": no attempt did better, conditions hold to `tolerance` only.
     ValueError: clarabel is missing, or nothing satisfies the conditions (certified by two
     attempts); RuntimeError: every attempt broke down, which says nothing about the conditions.
     """
@@ -42,7 +42,7 @@ def minimise(
     A.eliminate_zeros()
     m = len(b)
     limits = np.concatenate([b, np.broadcast_to(margin, A.shape[0] - m)])
-    best, statuses = None, []
+    best, least, statuses = None, np.inf, []
     for regularisation, equilibrate in _ATTEMPTS:
         solution = _attempt(P, q, A, limits, m, regularisation, equilibrate)
         status, z = str(solution.status), np.array(solution.x)
@@ -57,14 +57,12 @@ def minimise(
             continue
         over = A @ z - limits
         violation = float(max(abs(over[:m]).max(), over[m:].max(initial=0.0)))
-        report = {
-            "status": status, "iterations": int(solution.iterations), "tolerance": violation
-        }  # fmt: skip
+        report = {"status": status, "iterations": int(solution.iterations), "tolerance": violation}
         if status == "Solved":
             return z, report
         # Nearly redundant conditions can stall the last digits of the multipliers: z is then good.
-        if violation < _FEASIBLE and (best is None or violation < best[1]["tolerance"]):
-            best = z, report
+        if (status == "AlmostSolved" or violation < _FEASIBLE) and violation < least:
+            best, least = (z, report), violation
     if best is None:
         raise RuntimeError(f"clarabel did not solve the programme: {', '.join(statuses)}")
     return best

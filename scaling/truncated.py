@@ -33,7 +33,8 @@ def truncated_draws(
     """
     if posterior.gaps:
         raise ValueError("exact draws are for a Gaussian prior: gaps=True has another")
-    task = programme(posterior, bounded_forces(posterior)[0])
+    forces, _, report = bounded_forces(posterior)
+    task = programme(posterior, forces, curved=report["curved"])
     centre, basis, u = _whitened(task, _interior(task))
     walls = Walls(-(task.cone @ basis), -(task.cone @ centre))
     found = []
