@@ -1,12 +1,15 @@
 """Studies of the estimators behind docs/estimators.md, one table each.
 
-    python benchmarks/estimators.py [laws] [positions] [ratio] [prior] [coverage] [time]
+    python benchmarks/estimators.py [laws] [prefactor] [positions] [ratio] [prior] [coverage]
+                                    [stiffness] [time]
 
 laws       gains against loops per contact and hyperstaticity per unknown, over friction and N
+prefactor  these laws on packings they were not found on, and the decomposition that explains them
 positions  how fast redundant radii are lost: the bound for noise ξ on diameters, ζ on positions
 ratio      balanced over gppsz over N and Δ
 prior      what the prior of `bounded` does
 coverage   of the credible intervals
+stiffness  wrong by one factor, spread over contacts, or the wrong contact law
 time       per solve against N, with the exponent
 
 Packings come from the store of the figures; missing ones are made (a minute with Numba).
@@ -28,13 +31,16 @@ from scaling import (
     cramer_rao,
     error_map,
     force_equation,
+    forces_of_overlaps,
     perturb,
     reconstruct,
     relative_error,
     tiled,
+    to_pressure,
 )
 from scaling.bounded import Prior, bounded_forces, posterior
 from scaling.credible import coverage, enclosing, posterior_draws, widened
+from scaling.prefactor import LoopShares, loop_shares, self_stress_gain
 from scaling.sources import sources
 from scaling.truncated import truncated_draws
 
@@ -89,6 +95,83 @@ def laws() -> None:
     for name, (mean, sd) in fig5.laws(np.concatenate(smooth)).items():
         print(f"all without: {name} = {mean:.3f} ± {sd:.3f}")
     cut()
+
+
+SEEN = {
+    f"μ={mu:g} Δ={d:g}": Scene(300, d, friction=mu)
+    for mu, d in ((0.3, 1e-1), (0.3, 1e-2), (0.3, 1e-4), (0.1, 1e-2), (1.0, 1e-2), (1.0, 1e-4))
+}
+"""Seeds 0 to 2, among the packings on which the laws were found."""
+FRESH = {
+    "other seeds, Δ=1e-3": Scene(300, 1e-3),
+    "other seeds, Δ=1e-5": Scene(300, 1e-5),
+    "Δ=0.03": Scene(300, 3e-2),
+    "μ=0.05 Δ=1e-3": Scene(300, 1e-3, friction=0.05),
+    "μ=0.2 Δ=1e-3": Scene(300, 1e-3, friction=0.2),
+    "μ=0.6 Δ=1e-3": Scene(300, 1e-3, friction=0.6),
+    "μ=10 Δ=1e-3": Scene(300, 1e-3, friction=10.0),
+    "μ=10 Δ=1e-6": Scene(300, 1e-6, friction=10.0),
+    "radii ±15 % Δ=1e-3": Scene(300, 1e-3, polydispersity=0.15),
+    "radii ±45 % Δ=1e-3": Scene(300, 1e-3, polydispersity=0.45),
+    "N=600 Δ=1e-3": Scene(600, 1e-3),
+}
+"""Seeds 200 to 203, looked at after the laws were written down."""
+
+
+def prefactor() -> None:
+    """Candidate laws out of sample, with the exact decomposition of K² that explains them."""
+    seen = [(n, s) for scene in SEEN.values() for n, s in _shares(scene, range(3))]
+    Z = np.array([n.coordination for n, _ in seen])
+    K = np.array([s.square for _, s in seen]) / (1 - 2 / Z)
+    curve = np.polynomial.Polynomial.fit(Z, K, 2)
+    print(f"In sample: K²/ℓ = {np.round(curve.convert().coef, 4).tolist()} in powers of Z; "
+          f"scatter {np.std(K - curve(Z)):.4f}\n")  # fmt: skip
+    print("| packings | Z | K²/ℓ | from ½ | from the curve | K_d²/ℓ | K_s²/ℓ | ⟨cos θ⟩ |"
+          " h <= loops' share <= rank Q | floor/K_d² | bound K/h | from 2.7 | ⟨1/λ⟩ |")  # fmt: skip
+    print("|---|---|---|---|---|---|---|---|---|---|---|---|---|")
+    for name, scene in FRESH.items():
+        found = _shares(scene, range(200, 204))
+        Z = np.array([n.coordination for n, _ in found])
+        s = np.array([
+            (s.square, s.independent, s.shared, s.turning, s.hyperstaticity, s.leverage,
+             s.loops, s.floor / s.independent) for _, s in found
+        ])  # fmt: skip
+        ell = 1 - 2 / Z
+        law, h = s[:, 0] / ell, s[:, 4]
+        bound = np.array([_stress_gain(n) for n, _ in found])
+        means = s.mean(axis=0)
+        print(f"| {name} | {Z.mean():.3f} | {_bar(law)} | {_off(law - 0.5)} | "
+              f"{_off(law - curve(Z))} | {_bar(s[:, 1] / ell)} | {_bar(s[:, 2] / ell)} | "
+              f"{means[3]:.3f} | {means[4]:.3f} {means[5]:.3f} {means[6]:.3f} | {means[7]:.2f} | "
+              f"{_bar(bound / h)} | {_off(bound / h - 2.7)} | {_bar(bound**2 / h)} |",
+              flush=True)  # fmt: skip
+
+
+def _shares(scene: Scene, seeds: Sequence[int]) -> list[tuple[ContactNetwork, LoopShares]]:
+    packings = make([scene] * len(seeds), list(seeds))
+    return [(n, loop_shares(n)) for n in map(net, packings)]
+
+
+def _stress_gain(network: ContactNetwork) -> float:
+    """K of the bound for position noise per ⟨σ⟩, directions exact in M; nan above Z = 4."""
+    try:
+        return self_stress_gain(network) / network.mean_diameter
+    except ValueError:
+        return np.nan
+
+
+def _bar(values: np.ndarray) -> str:
+    """Mean ± standard error."""
+    if np.isnan(values).any():
+        return ""
+    return f"{values.mean():.3f} ± {values.std(ddof=1) / np.sqrt(len(values)):.3f}"
+
+
+def _off(values: np.ndarray) -> str:
+    """Mean over its standard error."""
+    if np.isnan(values).any():
+        return ""
+    return f"{values.mean() / (values.std(ddof=1) / np.sqrt(len(values))):+.1f}"
 
 
 def cut() -> None:
@@ -230,6 +313,59 @@ def _covered(p: Packing, xi: float, method: str, spread: float) -> tuple[float, 
     return coverage(low, high, p.forces, slack), coverage(*half, p.forces, slack), width
 
 
+STIFFNESS_AT = (1e-1, 1e-2, 1e-4)
+ERROR = 0.1
+
+
+def stiffness() -> None:
+    """E of a wrong stiffness: by one factor, spread over contacts, in the contact law."""
+    print(f"All for s = ε = {ERROR:g}; three packings of N = 300, or regions of them.\n")
+    print("| Δ | estimator | factor, no loads | pressure used | factor, known loads | share f_L/f"
+          " | spread | Hertz, pressure used |")  # fmt: skip
+    print("|---|---|---|---|---|---|---|---|")
+    for d in STIFFNESS_AT:
+        some = make([Scene(300, d)] * 3, range(3))
+        for method in ("gppsz", "balanced", "direct"):
+            v = np.array([_wrong_stiffness(p, method) for p in some])
+            cells = [f"{x.mean():.3f} ± {x.std(ddof=1):.3f}" for x in v.T]
+            print(f"| {d:g} | {method} | " + " | ".join(cells) + " |", flush=True)
+        for method in ("optimal", "bounded"):
+            v = np.array([_weighed(p, method) for p in some])
+            print(f"| {d:g} | {method} | {v.mean():.3f} ± {v.std(ddof=1):.3f} | | | | | |",
+                  flush=True)  # fmt: skip
+
+
+def _wrong_stiffness(p: Packing, method: str) -> tuple[float, ...]:
+    n, κ, true = net(p), p.stiffness, p.forces
+    δ = p.normal_forces / κ
+
+    def error(overlaps: np.ndarray, factor: float = 1.0, scaled: bool = False) -> float:
+        found = forces_of_overlaps(n, overlaps, factor * κ, method)
+        return relative_error(to_pressure(n, found, p.pressure) if scaled else found, true)
+
+    spread = δ / (1 + ERROR * np.random.default_rng(SEED).uniform(-1, 1, len(δ)) * np.sqrt(3))
+    centre = p.cell.sum(axis=0) / 2
+    mask = np.linalg.norm(p.positions - centre, axis=1) < p.cell[0, 0] / 2.2
+    region = without_dangling(n, mask, true.reshape(2, -1))
+    f = true.reshape(2, -1)[:, region.contact_index].ravel()
+    own = f[: region.contacts] / κ
+    with_loads = forces_of_overlaps(region, own, (1 + ERROR) * κ, method)
+    loops = (with_loads - forces_of_overlaps(region, own, κ, method)) / ERROR
+    return (
+        error(δ, 1 + ERROR), error(δ, 1 + ERROR, True), relative_error(with_loads, f),
+        float(np.linalg.norm(loops) / np.linalg.norm(f)), error(spread),
+        error(δ ** (2 / 3), 1, True),
+    )  # fmt: skip
+
+
+def _weighed(p: Packing, method: str) -> float:
+    """E of `optimal` or `bounded` for κ wrong by one factor, data exact but taken as ξ = 0.1 Δ."""
+    more = {"friction": p.friction, "pressure": p.pressure} if method == "bounded" else {}
+    κ, xi = (1 + ERROR) * p.stiffness, 0.1 * p.delta
+    found = reconstruct(net(p), κ, method, xi=xi, noise="position", **more)
+    return relative_error(found.forces, p.forces)
+
+
 def times() -> None:
     """CPU seconds of a first solve (factorisation included), exponent from N = 900 on."""
     small = make([Scene(100, 1e-4)], [0])[0]
@@ -265,8 +401,8 @@ def times() -> None:
 
 
 STUDIES = {
-    "laws": laws, "positions": positions, "ratio": ratio, "prior": prior,
-    "coverage": measure_coverage, "time": times,
+    "laws": laws, "prefactor": prefactor, "positions": positions, "ratio": ratio, "prior": prior,
+    "coverage": measure_coverage, "stiffness": stiffness, "time": times,
 }  # fmt: skip
 
 

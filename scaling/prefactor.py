@@ -10,7 +10,7 @@ T is an oblique projection, nearly: its eigenvalues lie between 0 and 1, are 1 o
 self-stress (null M) and 0 where loops are blind (null Q), so what loops decide is bounded by
 *both* of the candidate laws, the hyperstaticity and the loops per unknown:
 
-    h/2c  <=  tr T/2c  <=  rank Q/2c <= min(ℓ, ½) ,    ℓ = (c - N)/c = 1 - 2/Z     (torus)
+    h/2c  <=  tr T/2c  <=  rank Q/2c <= min(ℓ, ½) ,   ℓ = (c - N)/c (torus)
 
 and since |T|² >= Σ (eigenvalues)² (Schur), K_d² >= Σ τ²/4c >= h/4c. By how much T exceeds this, its
 obliqueness, is measured, not derived. For K_s² the sign is: a grain at which a face turns by the
@@ -21,9 +21,9 @@ angle θ gives the closure of that face |n + n'|²/4 = (1 + cos θ)/2, so
 Angles of a convex face add to 2π: for faces of m = 2Z/(Z - 2) sides θ is 2π/m on average, 90° at
 Z = 4. Sharing grains raises K² below Z = 4 and lowers it above, while K_d²/ℓ rises with Z.
 
-**The bound, noise on positions, Z < 4.** R = ∂r/∂x, (c, 2N), has full row rank: any error of f_n
-is the effect κ R u of some displacement, at the price |u|² = f_nᵀ(R Rᵀ)⁻¹f_n/κ². What balance
-leaves possible is Z a, Z an orthonormal basis of null M, h = 2c - rank M numbers, so to first order
+**The bound, noise on positions, Z < 4.** R = ∂r/∂x, (c, 2N), has full row rank: any error of
+f_n is the effect κ R u of some displacement, at the price |u|² = f_nᵀ(R Rᵀ)⁻¹f_n/κ². What balance
+leaves possible is Z a, Z an orthonormal basis of null M, h = 2c - rank M numbers: to first order
 
     cov a = κ²ξ² (Z_nᵀ (R Rᵀ)⁻¹ Z_n)⁻¹ ,    K² = tr (Z_nᵀ (R Rᵀ)⁻¹ Z_n)⁻¹/2c = h/2c ⟨1/λ⟩
 
