@@ -127,7 +127,7 @@ def prefactor() -> None:
     print(f"In sample: K²/ℓ = {np.round(curve.convert().coef, 4).tolist()} in powers of Z; "
           f"scatter {np.std(K - curve(Z)):.4f}\n")  # fmt: skip
     print("| packings | Z | K²/ℓ | from ½ | from the curve | K_d²/ℓ | K_s²/ℓ | ⟨cos θ⟩ |"
-          " h <= loops' share <= rank Q | floor/K_d² | bound K/h | from 2.7 | ⟨1/λ⟩ |")  # fmt: skip
+          " h <= tr T <= rank Q | floor/K_d² | bound K/h | from 2.7 | ⟨1/λ⟩ |")  # fmt: skip
     print("|---|---|---|---|---|---|---|---|---|---|---|---|---|")
     for name, scene in FRESH.items():
         found = _shares(scene, range(200, 204))

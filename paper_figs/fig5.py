@@ -1,8 +1,9 @@
 """Fig. 5: the prefactor C = E/(ξ/Δ) of every estimator against Δ, and the laws behind it.
 
 C = K p/⟨|f|⟩.  (a) Noise on the diameters, (b) on the positions.  (c) With friction the gain
-of gppsz for size noise is K² = ½ ⟨σ⟩² (loops per contact): |E|² is one ⟨σ⟩² per loop.  (d) The
-bound for position noise is K = 2.7 ⟨σ⟩ times the hyperstaticity per unknown, h/2c.
+of gppsz for size noise is near K² = ½ ⟨σ⟩² (loops per contact), a cancellation and no law: see
+`scaling.prefactor`.  (d) The bound for position noise is near K = 2.7 ⟨σ⟩ times the
+hyperstaticity per unknown, h/2c, save close to isostaticity.
 """
 
 from __future__ import annotations

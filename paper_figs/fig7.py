@@ -98,7 +98,7 @@ def _contacts(p: Packing, ratio: float, rng: np.random.Generator) -> Iterator[tu
         try:
             known = reconstruct(noisy, p.stiffness, "bounded", **weights)
             yield "bounded known", relative_error(known.forces, p.forces)
-        except ValueError:  # noise in the directions can leave nothing feasible
+        except (ValueError, RuntimeError):  # nothing feasible, or a breakdown of the solver
             yield "bounded known", np.nan
         errors = [_inferred(p, noisy, lists[t], "bounded", weights) for t in BOUNDED_AT]
         yield "bounded inferred", min(errors, key=lambda e: np.inf if np.isnan(e) else e)
@@ -117,7 +117,7 @@ def _inferred(
             forces = _with_gaps(network, p, arguments["xi"])
         else:
             forces = reconstruct(network, p.stiffness, method).forces
-    except ValueError:
+    except (ValueError, RuntimeError):
         return np.nan
     matched = confusion(network.pairs, network.images, p.pairs, p.images)
     return list_error(forces, p.forces, matched)
