@@ -22,6 +22,7 @@ import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.stats import special_ortho_group
 
 from dem import Packing, Scene, Settings, relax_ensemble
 from paper_figs import fig5
@@ -145,6 +146,23 @@ def prefactor() -> None:
               f"{means[3]:.3f} | {means[4]:.3f} {means[5]:.3f} {means[6]:.3f} | {means[7]:.2f} | "
               f"{_bar(bound / h)} | {_off(bound / h - 2.7)} | {_bar(bound**2 / h)} |",
               flush=True)  # fmt: skip
+    mean_field()
+
+
+def mean_field() -> None:
+    """Loops and balance with their own spectra, but turned against each other at random."""
+    print("\n| packings | tr T/2c | turned | K_d²/ℓ | turned |\n|---|---|---|---|---|")
+    for name, scene in SEEN.items():
+        (n, s), *_ = _shares(scene, range(1))
+        c, G = n.contacts, force_equation(n)
+        M, Q = G.M.toarray(), G.Q.toarray()
+        Q = Q @ special_ortho_group(c, seed=SEED).rvs()
+        H = M.T @ M
+        H[:c, :c] += Q.T @ Q
+        T = np.linalg.solve(H, np.vstack([Q.T @ Q, np.zeros((c, c))]))
+        ell = n.faces / c
+        print(f"| {name} | {s.leverage:.3f} | {np.trace(T[:c]) / 2 / c:.3f} | "
+              f"{s.independent / ell:.3f} | {np.sum(T**2) / 4 / c / ell:.3f} |", flush=True)  # fmt: skip
 
 
 def _shares(scene: Scene, seeds: Sequence[int]) -> list[tuple[ContactNetwork, LoopShares]]:

@@ -56,9 +56,13 @@ def row(p: Packing) -> tuple:
 
 def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     """One row per packing, half of those of each Δ."""
+    return np.array([row(p) for p in chosen(packings, edition)], TABLE)
+
+
+def chosen(packings: Sequence[Packing], edition: Edition) -> list[Packing]:
+    """The first half of the packings of each Δ."""
     count = max(2, edition.packings // 2)
-    some = [p for d in DELTAS for p in [q for q in packings if q.delta == d][:count]]
-    return np.array([row(p) for p in some], TABLE)
+    return [p for d in DELTAS for p in [q for q in packings if q.delta == d][:count]]
 
 
 def plot(table: np.ndarray) -> Figure:
@@ -128,5 +132,6 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the metadata say."""
     return provenance(
         figure="5", edition=edition.name, grains=edition.grains, probe_seed=SEED, probes=PROBES,
+        packing_seeds=[p.info["seed"] for p in chosen(packings, edition)],
         error_bars="(a, b) standard deviation over packings; (c, d) of the probes' mean",
     )  # fmt: skip

@@ -53,8 +53,7 @@ TABLE = np.dtype(
 def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     """Long table: per study, Δ, strength over Δ and method (or kind of mistake), the rms value
     over packings, its standard deviation, and how many gave one."""
-    count = max(2, 3 * edition.packings // 8)
-    groups = {d: [p for p in packings if p.delta == d][:count] for d in DELTAS}
+    groups = chosen(packings, edition)
     ratios = (0.1, 1.0, 10.0, 100.0) if edition.per_decade == 1 else (0.1, 0.3, 1.0, 10.0, 100.0)
     found: dict[tuple, list[float]] = {}
     for delta, group in groups.items():
@@ -74,6 +73,12 @@ def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
         sd = np.std(good, ddof=1) if len(good) > 1 else np.nan
         rows.append((*key, rms, sd, len(good)))
     return np.array(rows, TABLE)
+
+
+def chosen(packings: Sequence[Packing], edition: Edition) -> dict[float, list[Packing]]:
+    """Per Δ, the first packings."""
+    count = max(2, 3 * edition.packings // 8)
+    return {d: [p for p in packings if p.delta == d][:count] for d in DELTAS}
 
 
 def _contacts(p: Packing, ratio: float, rng: np.random.Generator) -> Iterator[tuple[str, float]]:
@@ -205,8 +210,10 @@ def plot(table: np.ndarray) -> Figure:
 
 def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the metadata say."""
+    seeds = [p.info["seed"] for group in chosen(packings, edition).values() for p in group]
     return provenance(
         figure="7", edition=edition.name, grains=edition.grains, noise_seed=SEED,
+        packing_seeds=seeds,
         thresholds=THRESHOLDS, bounded_at=BOUNDED_AT,
         error_bars="standard deviation over packings, one noise draw each",
     )  # fmt: skip

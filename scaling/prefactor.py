@@ -13,8 +13,8 @@ self-stress (null M) and 0 where loops are blind (null Q), so what loops decide 
     h/2c <= tr T/2c <= rank Q/2c <= min(ℓ, ½) ,    ℓ = (c - N)/c = 1 - 2/Z
 
 and since |T|² >= Σ (eigenvalues)² (Schur), K_d² >= Σ τ²/4c >= h/4c. By how much T exceeds this,
-its obliqueness, is measured, not derived. For K_s² there is its sign: a grain at which a face turns
-by the angle θ gives the closure of that face |n + n'|²/4 = (1 + cos θ)/2, so
+its obliqueness, is measured, not derived. For K_s² there is its sign: a grain at which a face
+turns by the angle θ gives the closure of that face |n + n'|²/4 = (1 + cos θ)/2, so
 
     |Q A|² = Σ_corners (1 + cos θ)/2  against  Σ_corners 1/2 without sharing .
 

@@ -392,6 +392,28 @@ def test_open_clusters_leave_the_global_moment_free(delta):
     assert errors["balanced"] < 1e-2
 
 
+def test_bounded_on_a_region_with_known_loads():
+    """A region cut out: the loads at its rim give f̄, no pressure is needed (and none accepted). At
+    ξ = 10 Δ the estimate balances, pushes, and beats the flat guess."""
+    p = packing(grains=100, delta=1e-3)
+    f = p.forces.reshape(2, -1)
+    mask = np.linalg.norm(p.positions - p.cell.sum(axis=0) / 2, axis=1) < 0.4 * p.cell[0, 0]
+    while (
+        lonely := mask
+        & (np.bincount(p.pairs[mask[p.pairs].all(axis=1)].ravel(), minlength=len(mask)) < 2)
+    ).any():
+        mask &= ~lonely
+    n = network_of(p).inside(mask, *f)
+    true, xi = f[:, n.contact_index].ravel(), 10 * p.delta
+    noisy = perturb(n, xi, np.random.default_rng(0), "position")
+    more = {"xi": xi, "noise": "position", "friction": p.friction}
+    found = reconstruct(noisy, p.stiffness, "bounded", **more)
+    assert found.normal.min() > -1e-7 * true.mean()
+    assert relative_error(found.forces, true) < relative_error(flat_guess(noisy), true)
+    with pytest.raises(ValueError, match="does not use pressure if the network is open"):
+        reconstruct(noisy, p.stiffness, "bounded", pressure=p.pressure, **more)
+
+
 def test_rhombus_balanced_by_hand():
     """One self-stress, fixed by the two triangles' closure: balanced = gppsz when data are exact,
     and differ when they are not; balanced then still balances, gppsz does not."""
