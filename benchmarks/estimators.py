@@ -321,9 +321,10 @@ def measure_coverage() -> None:
                     continue
                 for method, spread in ways:
                     v = np.array([_covered(p, strength * d, method, spread) for p in some])
-                    a, b = (f"{x.mean():.2f} ± {x.std(ddof=1):.2f}" for x in v[:, :2].T)
-                    print(f"| {n} | {mu:g} | {d:g} | {strength:g} | {method}, {spread:g} × | "
-                          f"{a} | {b} | {v[:, 2].mean():.3f} | {v[:, 3].mean():.3f} |", flush=True)  # fmt: skip
+                    cells = [f"{x.mean():.2f} ± {x.std(ddof=1):.2f}" for x in v[:, :2].T]
+                    cells += [f"{x.mean():.3f}" for x in v[:, 2:].T]
+                    name = f"| {n} | {mu:g} | {d:g} | {strength:g} | {method}, {spread:g} × | "
+                    print(name + " | ".join(cells) + " |", flush=True)
 
 
 def _covered(p: Packing, xi: float, method: str, spread: float) -> tuple[float, ...]:
