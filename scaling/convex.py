@@ -18,7 +18,7 @@ from scipy.sparse import csc_array, csc_matrix, diags_array, vstack
 
 from scaling.checks import Floats
 
-_FEASIBLE = 1e-5
+_FEASIBLE = {"AlmostSolved": 1e-4, "InsufficientProgress": 1e-5}
 """Violation up to which a solve that ended early counts."""
 _ATTEMPTS = ((1e-10, True), (1e-8, True), (1e-8, False), (1e-6, True))
 """Constant of the static regularisation, and whether rows and columns are equilibrated."""
@@ -53,7 +53,7 @@ def minimise(
                 f"{status} after {solution.iterations} iterations; "
                 "is the friction or the contact list wrong?"
             )
-        if status not in ("Solved", "AlmostSolved", "InsufficientProgress"):
+        if status != "Solved" and status not in _FEASIBLE:
             continue
         over = A @ z - limits
         violation = float(max(abs(over[:m]).max(), over[m:].max(initial=0.0)))
@@ -61,7 +61,7 @@ def minimise(
         if status == "Solved":
             return z, report
         # Nearly redundant conditions can stall the last digits of the multipliers: z is then good.
-        if (status == "AlmostSolved" or violation < _FEASIBLE) and violation < least:
+        if violation < min(_FEASIBLE[status], least):
             best, least = (z, report), violation
     if best is None:
         raise RuntimeError(f"clarabel did not solve the programme: {', '.join(statuses)}")

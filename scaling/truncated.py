@@ -21,6 +21,13 @@ from scaling.convex import minimise
 _MARGINS = 10.0 ** -np.arange(1.0, 8.0)
 """Distances from the walls, in f̄, at which a start is looked for."""
 _RANK = 1e-10
+_SEEN = 1e-9
+"""Share of the largest response to u below which a wall counts as fixed."""
+_THICKNESS = 1e-9
+"""Of a wall, in standard deviations: what rounding may miss it by."""
+_FRESH = 50
+"""Bounces after which products are computed anew."""
+_MOST_BOUNCES = 100_000
 
 
 def truncated_draws(
@@ -82,22 +89,33 @@ class Walls:
     """The polytope F u + h >= 0 and the flight of a point in it."""
 
     def __init__(self, F: Floats, h: Floats) -> None:
-        self.F, self.h, self.gram = F, h, F @ F.T
+        norm = np.linalg.norm(F, axis=1)
+        met = norm > _SEEN * norm.max()  # the others are as far as they are, whatever u
+        self.F, self.h = F[met] / norm[met, None], h[met] / norm[met]
+        self.gram = self.F @ self.F.T
 
     def trajectory(self, u: Floats, v: Floats) -> Floats:
-        """Where a quarter period takes u, inside, with velocity v."""
-        left = np.pi / 2
-        p, w = self.F @ u, self.F @ v
-        while True:
+        """Where a quarter period takes u, inside, with velocity v.
+
+        A flight that rounding takes through a wall is given up, and u stays. RuntimeError: it
+        bounces without end.
+        """
+        left, start = np.pi / 2, u
+        for bounce in range(_MOST_BOUNCES):
+            if bounce % _FRESH == 0:  # p and w drift in the updates below
+                p, w = self.F @ u, self.F @ v
+                if (p + self.h).min() < -_THICKNESS:
+                    return start
             wall, t = self._next(p, w)
             cos, sin = np.cos(min(t, left)), np.sin(min(t, left))
             u, v = cos * u + sin * v, cos * v - sin * u
             if t >= left:
-                return u
+                return u if (self.F @ u + self.h).min() >= -_THICKNESS else start
             p, w = cos * p + sin * w, cos * w - sin * p
-            push = 2 * w[wall] / self.gram[wall, wall]
+            push = 2 * float(self.F[wall] @ v)
             v, w = v - push * self.F[wall], w - push * self.gram[wall]
             left -= t
+        raise RuntimeError(f"a flight between {len(self.h)} walls does not end")
 
     def _next(self, p: Floats, w: Floats) -> tuple[int, float]:
         """The first wall that p cos t + w sin t + h = 0 leaves through, and when."""
@@ -108,6 +126,6 @@ class Walls:
         a, b = p[reached], w[reached]
         t = np.arctan2(b, a) + np.arccos(-self.h[reached] / amplitude[reached])
         t = np.mod(t, 2 * np.pi)
-        t[(t > 2 * np.pi - 1e-9) & (b < 0)] = 0.0  # at the wall by rounding, and leaving
+        t[(a + self.h[reached] < _THICKNESS) & (b < 0)] = 0.0  # at the wall, and leaving
         first = int(np.argmin(t))
         return int(reached[first]), float(t[first])

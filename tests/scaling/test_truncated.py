@@ -129,3 +129,22 @@ def test_open_contacts_have_no_gaussian_prior():
                       pressure=p.pressure, gaps=True)  # fmt: skip
     with pytest.raises(ValueError, match="gaps=True has another"):
         truncated_draws(open_, np.random.default_rng(0), 1)
+
+
+def test_flights_end_inside_however_narrow():
+    """A corner of 1e-3 and walls that respond 1e-4 times as strongly: 60 flights, none leaves."""
+    narrow = 1e-3
+    F = [[1.0, 0.0], [narrow, 1.0], [narrow, -1.0], [1e-4, 1e-4]]
+    u = chain(F, [0.0, 0.0, 0.0, 1e-5], np.array([1.0, 0.0]), 60)
+    assert (u @ np.array(F).T + [0.0, 0.0, 0.0, 1e-5]).min() > -1e-8
+    assert np.ptp(u[:, 0]) > 1
+
+
+def test_precise_data_in_a_stiff_packing():
+    """ξ = 0.1 Δ at Δ = 1e-4, a posterior a thousand times narrower in some directions than in
+    others: draws stay within the constraints and spread as the projected ones do."""
+    p = packing(grains=100, delta=1e-4, seed=0)
+    problem = widened(problem_of(p, 0.1, seed=55))
+    a, b = (s(problem, np.random.default_rng(55), 20) for s in (truncated_draws, posterior_draws))
+    assert a[:, : len(p.pairs)].min() > -1e-7 * problem.mean_force
+    assert 0.5 < a.std(axis=0).mean() / b.std(axis=0).mean() < 1.5
