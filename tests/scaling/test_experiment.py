@@ -169,6 +169,18 @@ def test_rounding_is_noise(delta):
     assert relative_error(reconstruct(both, p.stiffness).forces, p.forces) < 1e-11 / delta
 
 
+@pytest.mark.parametrize("delta", [1e-2, 1e-4])
+def test_rounded_centres_are_position_noise(delta):
+    """Coordinates to k digits: ξ = 10⁻ᵏ/√12 on the line C ξ/Δ of noise on positions, for k = 3 to
+    6; within a factor 1.5, the scatter of one draw of 2N numbers."""
+    p = packing(delta=delta)
+    C = amplification_of(p, noise="position")
+    for digits in (3, 4, 5, 6):
+        ξ = 10.0**-digits / np.sqrt(12)
+        found = reconstruct(rounded(network_of(p), digits, radii=False), p.stiffness)
+        assert 1 / 1.5 < relative_error(found.forces, p.forces) / (C * ξ / delta) < 1.5
+
+
 @pytest.mark.parametrize("delta", [1e-2, 1e-5])
 def test_spread_stiffness_costs_its_spread_at_any_delta(delta):
     """Truth first: forces κ_e δ_e with 1 % spread. gppsz with one κ errs by the response, and by
