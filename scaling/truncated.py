@@ -56,10 +56,12 @@ def _interior(task: Programme) -> Floats:
     """The most probable z that keeps a margin to every wall, the largest of a ladder."""
     for margin in _MARGINS:
         try:
-            return minimise(task.P, task.q, task.equal, task.b, task.cone, -margin)[0]
-        except (ValueError, RuntimeError) as error:
-            refused = error
-    raise ValueError(f"no state is off all walls by {_MARGINS[-1]:g} f̄") from refused
+            z, report = minimise(task.P, task.q, task.equal, task.b, task.cone, -margin)
+        except (ValueError, RuntimeError):
+            continue
+        if report["tolerance"] < margin / 2:
+            return z
+    raise ValueError(f"no state is off all walls by {_MARGINS[-1]:g} f̄")
 
 
 def _whitened(task: Programme, start: Floats) -> tuple[Floats, Floats, Floats]:
