@@ -99,10 +99,10 @@ def _errors(p: Packing, xi: float, noise: str, rng: np.random.Generator) -> dict
             errors[method] = relative_error(
                 reconstruct(noisy, p.stiffness, method, **a).forces, p.forces
             )
-        except ValueError:
+        except (ValueError, RuntimeError):
             if method != "bounded":
                 raise
-            errors[method] = np.nan  # noise in the directions can leave nothing feasible
+            errors[method] = np.nan  # nothing feasible, or a breakdown of the solver
     return errors
 
 

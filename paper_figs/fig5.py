@@ -1,8 +1,9 @@
 """Fig. 5: the prefactor C = E/(ξ/Δ) of every estimator against Δ, and the laws behind it.
 
 C = K p/⟨|f|⟩.  (a) Noise on the diameters, (b) on the positions.  (c) With friction the gain
-of gppsz for size noise is K² = ½ ⟨σ⟩² (loops per contact): |E|² is one ⟨σ⟩² per loop.  (d) The
-bound for position noise is K = 2.7 ⟨σ⟩ times the hyperstaticity per unknown, h/2c.
+of gppsz for size noise is near K² = ½ ⟨σ⟩² (loops per contact), a cancellation and no law: see
+`scaling.prefactor`.  (d) The bound for position noise is near K = 2.7 ⟨σ⟩ times the
+hyperstaticity per unknown, h/2c, save close to isostaticity.
 """
 
 from __future__ import annotations
@@ -55,9 +56,13 @@ def row(p: Packing) -> tuple:
 
 def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     """One row per packing, half of those of each Δ."""
+    return np.array([row(p) for p in chosen(packings, edition)], TABLE)
+
+
+def chosen(packings: Sequence[Packing], edition: Edition) -> list[Packing]:
+    """The first half of the packings of each Δ."""
     count = max(2, edition.packings // 2)
-    some = [p for d in DELTAS for p in [q for q in packings if q.delta == d][:count]]
-    return np.array([row(p) for p in some], TABLE)
+    return [p for d in DELTAS for p in [q for q in packings if q.delta == d][:count]]
 
 
 def plot(table: np.ndarray) -> Figure:
@@ -127,5 +132,6 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the metadata say."""
     return provenance(
         figure="5", edition=edition.name, grains=edition.grains, probe_seed=SEED, probes=PROBES,
+        packing_seeds=[p.info["seed"] for p in chosen(packings, edition)],
         error_bars="(a, b) standard deviation over packings; (c, d) of the probes' mean",
     )  # fmt: skip

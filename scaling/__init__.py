@@ -8,7 +8,13 @@ drawn in `scaling.network`.
 
 from scaling.bound import cramer_rao
 from scaling.bounded import flat_guess
-from scaling.calibration import rescaled, rounded, stiffness_response
+from scaling.calibration import (
+    forces_of_overlaps,
+    rescaled,
+    rounded,
+    stiffness_response,
+    to_pressure,
+)
 from scaling.data_collapse import collapse
 from scaling.detection import infer_contacts
 from scaling.equation import ForceEquation, force_equation
@@ -39,6 +45,7 @@ __all__ = [
     "error_map",
     "flat_guess",
     "force_equation",
+    "forces_of_overlaps",
     "gain",
     "infer_contacts",
     "mean_force",
@@ -51,5 +58,6 @@ __all__ = [
     "stress",
     "tiled",
     "tiled_forces",
+    "to_pressure",
     "worst_pattern",
 ]

@@ -7,7 +7,11 @@
                  Q f_n = κ (Q|σ̃⟩ - Λ - Q B y)          data="sizes"
 
 a convex quadratic programme, solved by clarabel (interior point). B y is the effect of the noise
-on the data, see `scaling.sources`. The prior: mean f̄ = 2 p A/Σ r, a = 1 and b = 1/2. For ξ << Δ
+on the data, see `scaling.sources`. Noisy positions turn directions, so M in the first condition
+is M(x̃) - D y: no grain has to balance in directions that are wrong, but the y that rights it is
+the same that rights the overlaps, and weighed. What is linear in y is wrong by ~ξ²/Δ in forces;
+near isostaticity (without friction) that can leave nothing feasible: then it is noise of its own.
+The prior: mean f̄ = 2 p A/Σ r, a = 1 and b = 1/2. For ξ << Δ
 the data decide, for ξ >> Δ what is left is the prior among the states that balance, so the
 error saturates where that of linear estimates grows as ξ/Δ.
 
@@ -20,7 +24,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.sparse import block_array, csr_array, eye_array
+from scipy.sparse import block_array, csr_array, diags_array, eye_array
 
 from scaling.checks import Floats
 from scaling.constrained import global_moments
@@ -36,12 +40,18 @@ if TYPE_CHECKING:
 class Prior:
     """What forces are before any geometry is measured, in units of f̄.
 
-    mean : of f_n; normal, tangential : standard deviations of f_n and f_t
+    mean : of f_n; normal, tangential : standard deviations of f_n and f_t, positive
     """
 
     mean: float = 1.0
     normal: float = 1.0
     tangential: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("normal", "tangential"):
+            width = getattr(self, name)
+            if not (np.isfinite(width) and width > 0):
+                raise ValueError(f"prior: {name} = {width}, a standard deviation is positive")
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,26 +101,71 @@ def bounded_forces(
     """(f, η, the solver's report) at the maximum of the posterior.
 
     `shift` moves the data and the prior mean by noise of their own size, (k,) and (2c,)
-    standard normals: see `scaling.credible`. ValueError: clarabel missing, or nothing feasible.
+    standard normals: see `scaling.credible`. Where noisy positions leave nothing feasible, the
+    second order of the distances is let in as noise of its own (report: curved). ValueError:
+    clarabel missing, or nothing feasible; RuntimeError: clarabel breaks down.
     """
+    try:
+        return _passes(posterior, shift, curved=False)
+    except ValueError:
+        if posterior.noise is None or not posterior.noise.moves:
+            raise
+    return _passes(posterior, shift, curved=True)
+
+
+def _passes(
+    posterior: Posterior, shift: tuple[Floats, Floats] | None, curved: bool
+) -> tuple[Floats, Floats, dict[str, Any]]:
     f, noise = np.zeros(posterior.equation.unknowns), posterior.noise
     f[: posterior.equation.network.contacts] = posterior.mean_force
     passes = 2 if noise is not None and noise.moves else 1
     for _ in range(passes):  # the turning of directions is linear at the forces of the last pass
-        f, η, report = _solve(posterior, f, shift)
-    return f, η, report
+        task = programme(posterior, f, shift, curved)
+        z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
+        f, η = task.forces(z), task.noise(z)
+    return f, η, report | {"curved": curved}
 
 
-def _solve(
-    p: Posterior, last: Floats, shift: tuple[Floats, Floats] | None
-) -> tuple[Floats, Floats, dict[str, Any]]:
-    """One programme in z = (f/f̄ ; g η ; free moments ; κ gap/f̄)."""
+@dataclass(frozen=True, eq=False)
+class Programme:
+    """min ½ zᵀP z + qᵀz, equal z = b, cone z <= 0 in z = (f/f̄ ; g η ; free moments ; κ gap/f̄ ;
+    second order)."""
+
+    P: Floats
+    q: Floats
+    equal: csr_array
+    b: Floats
+    cone: csr_array
+    mean_force: float
+    g: float
+    unknowns: int
+    sources: int
+    explicit: slice
+    """The rows that give f_n/f̄ in terms of the rest, for data="all"; none else."""
+
+    def forces(self, z: Floats) -> Floats:
+        """f of z (n,), or of (n, draws)."""
+        return self.mean_force * z[: self.unknowns]
+
+    def noise(self, z: Floats) -> Floats:
+        """η of z."""
+        return z[self.unknowns : self.unknowns + self.sources] / self.g
+
+
+def programme(
+    p: Posterior,
+    last: Floats,
+    shift: tuple[Floats, Floats] | None = None,
+    curved: bool = False,
+) -> Programme:
+    """The programme of a posterior, with the turning of directions at the forces `last`; if
+    `curved` with the second order of distances too, see `_curvature`."""
     equation, f0, c, n = p.equation, p.mean_force, p.equation.network.contacts, p.equation.unknowns
     k = 0 if p.noise is None else p.noise.count
     # g η: unit prior of η for weak noise, unit effect on f/f̄ for strong noise.
     strength = 0.0 if p.noise is None else p.stiffness * p.noise.xi / f0
     g = max(1.0, strength)
-    η0, width, mean = np.zeros(k), np.full(n, p.prior.normal), np.zeros(n)
+    η0, width, mean = np.zeros(k), np.full(n, float(p.prior.normal)), np.zeros(n)
     width[c:] = p.prior.tangential
     mean[:c] = p.prior.mean
     if shift is not None:
@@ -123,31 +178,56 @@ def _solve(
     gaps = csr_array((len(found), c if p.gaps else 0))
     if p.gaps:
         gaps = csr_array(-eye_array(c))
-    s, v = moments.shape[1], gaps.shape[1]
+    slack, g_slack = csr_array((len(found), 0)), 1.0
+    if curved:
+        bias, scatter = _curvature(p)
+        g_slack = max(1.0, float(scatter.max()))
+        found, slack = found + bias, csr_array(diags_array(-scatter / g_slack))
+    s, v, w = moments.shape[1], gaps.shape[1], slack.shape[1]
     r = _lengths(equation.network)
     unit = np.linalg.norm(r)  # the pressure row has c entries: made to weigh like one contact
     pressure = csr_array((r / unit, (np.zeros(c, dtype=int), np.arange(c))), shape=(1, n))
+    widths = (k, s, v, w)
     equal = block_array(
         [
-            [equation.M, turning, moments, csr_array((equation.M.shape[0], v))],
-            [data, effect, csr_array((len(found), s)), gaps],
-            [pressure, csr_array((1, k)), csr_array((1, s)), csr_array((1, v))],
+            [equation.M, turning, moments, *_zeros(equation.M.shape[0], widths[2:])],
+            [data, effect, *_zeros(len(found), widths[1:2]), gaps, slack],
+            [pressure, *_zeros(1, widths)],
         ]
     )
     b = [equation.balance_rhs() / f0 + turning @ η0, found + effect @ η0, [p.virial / f0 / unit]]
     limits = _cone(c, p.friction, equation.frictional)
-    cone = block_array(
-        [
-            [limits, csr_array((limits.shape[0], k + s)), csr_array((limits.shape[0], v))],
-            [csr_array((v, n)), csr_array((v, k + s)), -eye_array(v)],
-        ]
+    shut = [csr_array((v, n)), *_zeros(v, (k, s)), -eye_array(v), *_zeros(v, (w,))]
+    cone = block_array([[limits, *_zeros(limits.shape[0], widths)], shut])
+    P = np.concatenate(
+        [width**-2.0, np.full(k, g**-2.0), np.zeros(s + v), np.full(w, g_slack**-2.0)]
     )
-    P = np.concatenate([width**-2.0, np.full(k, g**-2.0), np.zeros(s + v)])
     # A gap has an exponential prior of mean √2 ξ, the scatter of the distance of two centres.
     price = 1 / (np.sqrt(2) * strength) if p.gaps else 0.0
-    q = np.concatenate([-mean / width**2, np.zeros(k + s), np.full(v, price)])
-    z, report = minimise(P, q, equal, np.concatenate(b), cone)
-    return f0 * z[:n], z[n : n + k] / g, report
+    q = np.concatenate([-mean / width**2, np.zeros(k + s), np.full(v, price), np.zeros(w)])
+    first = equation.M.shape[0]
+    explicit = slice(first, first + (c if p.noise is not None and p.data == "all" else 0))
+    return Programme(
+        P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit
+    )  # fmt: skip
+
+
+def _zeros(rows: int, columns: tuple[int, ...]) -> list[csr_array]:
+    return [csr_array((rows, m)) for m in columns]
+
+
+def _curvature(p: Posterior) -> tuple[Floats, Floats]:
+    """Mean and standard deviation (c,) of what distances gain beyond first order, as κ δr/f̄.
+
+    A relative displacement u_t across n lengthens r by u_t²/2r: mean ⟨u_t²⟩/2r, deviation √2
+    times that. Second order in ξ, but measured in deformations it is ξ²/Δ.
+    """
+    assert p.noise is not None
+    network = p.equation.network
+    across = p.noise.across(network) * p.noise.xi
+    mean = across.multiply(across).sum(axis=1) / (2 * network.distances)
+    mean = mean * (p.stiffness / p.mean_force)
+    return mean, np.sqrt(2) * mean
 
 
 def _data(

@@ -4,11 +4,17 @@
                                        overlaps change by ε σ, so `direct` errs by ~ε/Δ
     pixel scale    x → (1 + ε) x       the same with the opposite sign: a matter of r, not σ
     rounding       to k digits         noise of standard deviation 10⁻ᵏ/√12 per number
-    stiffness      κ → (1 + ε) κ       without external loads f → (1 + ε) f
+    stiffness      κ → (1 + ε) κ       f = f_B + f_L, of the loads and of the loops: δf = ε f_L
     spread κ_e     κ_e = κ (1 + s ζ_e) f_n/κ in the closure errs by s ζ f_n/κ, itself O(Δ), so
                                        δf = -s G⁺(0 ; Q f_n ζ) ~ s f whatever Δ
+    contact law    f_n = κ δ^α         read as linear: κ Q δ with the true overlaps, ~ f whatever Δ
 
 Only what does not scale with the forces, an absolute error of lengths, is divided by Δ.
+
+A common factor of κ: f_B = G⁺(-F ; 0) and f_L = G⁺(0 ; κ (Q|σ⟩ - Λ)). On a torus without loads
+f_B = 0, all forces err by one factor, and a known pressure takes it out (`to_pressure`). With
+known loads the two parts cannot be told apart by any one number, the error is ε f_L, and f_L is
+no small part of f.
 """
 
 from __future__ import annotations
@@ -16,7 +22,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaling import checks
+from scaling import balanced, checks
+from scaling.bounded import virial_of
 from scaling.checks import Floats
 from scaling.equation import force_equation
 from scaling.network import ContactNetwork
@@ -84,3 +91,49 @@ def stiffness_response(
     ζ = checks.finite("spread", "contact", spread, (network.contacts,))
     off = equation.Q @ (f[: network.contacts] * ζ)
     return equation.matrices.system.solve(np.concatenate([np.zeros(equation.M.shape[0]), -off]))
+
+
+def forces_of_overlaps(
+    network: ContactNetwork,
+    overlaps: ArrayLike,
+    stiffness: float,
+    method: str = "gppsz",
+    frictional: bool = True,
+) -> Floats:
+    """(2c,) what `method` finds with f_n = κ δ assumed, if the overlaps (c,) are these.
+
+    Whatever the contact law is: with Q|r⟩ = Λ all that enters is Q|σ⟩ - Λ = Q δ. So δ = f_n/κ_e is
+    a spread of stiffness, exactly, and δ = (f_n/κ)^(2/3) Hertzian grains read as linear. Methods:
+    "gppsz", "balanced", "direct". ValueError: another method, or bad input.
+    """
+    equation = force_equation(network, frictional)
+    δ = checks.finite("overlap", "contact", overlaps, (network.contacts,))
+    if not (np.isfinite(stiffness) and stiffness > 0):
+        raise ValueError(f"stiffness {stiffness}: it must be positive")
+    b, matrices = equation.balance_rhs(), equation.matrices
+    if method == "gppsz":
+        return matrices.system.solve(np.concatenate([b, stiffness * (equation.Q @ δ)]))
+    if method == "balanced":
+        f = balanced.solver(equation).solve(stiffness * (equation.Q @ δ), b)
+        return f[: equation.unknowns]
+    if method != "direct":
+        raise ValueError(f"method {method!r}: choose gppsz, balanced or direct")
+    fn = stiffness * δ
+    if not frictional:
+        return fn
+    return np.concatenate([fn, matrices.transverse.solve(b - matrices.M_normal @ fn)])
+
+
+def to_pressure(network: ContactNetwork, forces: ArrayLike, pressure: float) -> Floats:
+    """`forces` times the factor that makes Σ f_n r = 2 p A of a periodic cell.
+
+    ValueError: the network is open, the pressure not positive, or the forces do not push.
+    """
+    if network.cell is None:
+        raise ValueError("to_pressure needs a periodic cell: loads fix the scale of an open one")
+    target = virial_of(network, pressure)
+    f = np.asarray(forces, dtype=float)
+    virial = float(f[: network.contacts] @ network.distances)
+    if not virial > 0:
+        raise ValueError(f"the forces do not push: Σ f_n r = {virial:.3g}")
+    return f * (target / virial)

@@ -81,6 +81,11 @@ def distance_response(network: ContactNetwork) -> csr_array:
     return _along(network, network.normals)
 
 
+def turning_response(network: ContactNetwork) -> csr_array:
+    """r ∂θ/∂x ⟨σ⟩, (c, 2N) sparse: relative displacement across the contact over ξ, likewise."""
+    return _along(network, network.tangents)
+
+
 def balance_response(network: ContactNetwork, forces: Floats) -> csr_array:
     """δM|f⟩ = ξ Σ of it times η, (3N, 2N) sparse, or (2N, 2N) for c normal forces.
 
@@ -91,7 +96,7 @@ def balance_response(network: ContactNetwork, forces: Floats) -> csr_array:
     fn = forces[:c]
     ft = forces[c:] if forces.size == 2 * c else np.zeros(c)
     turned = fn[:, None] * network.tangents + ft[:, None] * network.normals
-    δθ = diags_array(1 / network.distances) @ _along(network, network.tangents)
+    δθ = diags_array(1 / network.distances) @ turning_response(network)
     difference = csr_array(_incidence(network, -1.0).T)[active]
     blocks = [-difference @ diags_array(turned[:, k]) @ δθ for k in (0, 1)]
     if forces.size == 2 * c:

@@ -49,7 +49,8 @@ class Reconstruction:
     diagnostics : rows, unknowns, hyperstaticity, and negative, the number with f_n < 0.
         `optimal` adds noise, the most probable η (k,), steps, and scale = κ ξ: times
         `scaling.cramer_rao(...)` of the same arguments it is the error of the forces.
-        `bounded` adds noise, and status, iterations and tolerance of the convex solver
+        `bounded` adds noise, status, iterations and tolerance of the convex solver, and curved:
+        whether the second order of distances had to be let in
     """
 
     normal: Floats
@@ -92,8 +93,9 @@ def reconstruct(
     data : for `optimal` and `bounded`, "all" or "sizes" (no distances, directions exact)
     friction, pressure : for `bounded`: μ, and in a periodic cell p
 
-    ValueError: bad input, an argument that the method ignores, or an equation without a
-    unique solution, with its rank.
+    ValueError: bad input, an argument that the method ignores, an equation without a unique
+    solution, with its rank, or conditions of `bounded` that contradict each other. RuntimeError:
+    an iteration or the convex solver broke down.
     """
     if method not in METHODS:
         raise ValueError(f"method {method!r} is unknown; there are {', '.join(METHODS)}")

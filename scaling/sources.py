@@ -25,6 +25,7 @@ from scaling.noise import (
     distance_response,
     radius_scale,
     size_response,
+    turning_response,
 )
 
 if TYPE_CHECKING:
@@ -63,6 +64,10 @@ class Sources:
         if self.moves:
             B = B - distance_response(network) / network.mean_diameter @ self.positions
         return csr_array(B)
+
+    def across(self, network: ContactNetwork) -> csr_array:
+        """(c, k) sparse: displacement of x_j against x_i along t, over ξ."""
+        return csr_array(turning_response(network) / network.mean_diameter @ self.positions)
 
     def balance(self, network: ContactNetwork, forces: Floats) -> csr_array:
         """D, (rows of M, k) sparse, for `forces` (2c,) or (c,)."""

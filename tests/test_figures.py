@@ -171,6 +171,9 @@ def test_figure_7_tells_noise_from_scale(packings, tmp_path):
         rounding = table[(table["method"] == "rounding") & (table["delta"] == delta)]
         C = value("C", delta, 1.0)
         assert np.all(np.abs(np.log2(rounding["value"] / (C * rounding["ratio"]))) < 1)
+        centres = table[(table["method"] == "rounding centres") & (table["delta"] == delta)]
+        C = value("C position", delta, 1.0)
+        assert np.all(np.abs(np.log2(centres["value"] / (C * centres["ratio"]))) < 1)
     paths = write(fig7.plot(table), tmp_path, "fig7", table, fig7.facts(packings, SMALL))
     assert len(read(paths[2])[1]) == len(table)
 

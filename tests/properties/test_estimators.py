@@ -10,8 +10,17 @@ import numpy as np
 from hypothesis import given, settings, target
 from hypothesis import strategies as st
 
-from scaling import ContactNetwork, cramer_rao, error_map, perturb, reconstruct, relative_error
-from tests.properties.strategies import clusters, packings, seeds
+from scaling import (
+    ContactNetwork,
+    cramer_rao,
+    error_map,
+    flat_guess,
+    perturb,
+    reconstruct,
+    relative_error,
+)
+from tests.conftest import packing
+from tests.properties.strategies import clusters, packings, scenes, seeds
 from tests.properties.test_reconstruction import EPS, frictional, network_of, rounding
 
 
@@ -81,9 +90,13 @@ def test_open_clusters_are_not_amplified(truth, seed):
 
 
 @few
-@given(packings(), st.floats(0, 2 * np.pi), st.floats(1e-2, 1e2), seeds)
-def test_optimal_is_equivariant(p, angle, length, seed):
-    """Turned and scaled data give the same forces over κ and length, within 1e-6 of their size."""
+@given(
+    packings(), st.sampled_from(["balanced", "optimal", "bounded"]),
+    st.floats(0, 2 * np.pi), st.floats(1e-2, 1e2), seeds,
+)  # fmt: skip
+def test_estimators_are_equivariant(p, method, angle, length, seed):
+    """Turned and scaled data give the same forces over κ and length, within 1e-6 of their size
+    (1e-4 for the convex solver)."""
     xi = 0.1 * p.delta
     noisy = perturb(network_of(p), xi, np.random.default_rng(seed), "position")
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
@@ -91,10 +104,17 @@ def test_optimal_is_equivariant(p, angle, length, seed):
         length * noisy.positions @ turn, length * noisy.radii, p.pairs,
         cell=length * p.cell @ turn, images=p.images,
     )  # fmt: skip
-    more = {"xi": xi, "noise": "position", "frictional": frictional(p)}
-    here = reconstruct(noisy, p.stiffness, "optimal", **more).forces
-    there = reconstruct(moved, p.stiffness, "optimal", **more).forces / length
-    assert relative_error(there, here, frictional=frictional(p)) < 1e-6
+    more = {"frictional": frictional(p)}
+    if method != "balanced":
+        more |= {"xi": xi, "noise": "position"}
+    if method == "bounded":
+        more |= {"friction": p.friction, "pressure": p.pressure}
+    here, there = (
+        reconstruct(n, p.stiffness, method, **more).forces / scale
+        for n, scale in ((noisy, 1.0), (moved, length))
+    )
+    slack = 1e-4 if method == "bounded" else 1e-6
+    assert relative_error(there, here, frictional=frictional(p)) < slack
 
 
 @few
@@ -113,3 +133,22 @@ def test_bounded_keeps_its_promises(p, seed):
     assert np.all(abs(found.tangential) <= p.friction * found.normal + 1e-5 * mean)
     area = abs(np.linalg.det(p.cell))
     assert abs(found.normal @ noisy.distances / (2 * area * p.pressure) - 1) < 1e-5
+
+
+@few
+@given(scenes(), st.sampled_from([1e-2, 1e-3, 1e-4]), st.sampled_from([0.1, 1.0, 10.0, 100.0]))
+def test_bounded_is_no_worse_than_the_flat_guess_on_average(scene, delta, ratio):
+    """Three packings of a scene, noise on positions up to 0.05: mean E against mean E."""
+    xi, found, flat = min(ratio * delta, 0.05), [], []
+    for seed in range(3):
+        p = packing(delta=delta, **(scene | {"seed": seed}))
+        noisy = perturb(network_of(p), xi, np.random.default_rng(seed), "position")
+        best = reconstruct(
+            noisy, p.stiffness, "bounded", xi=xi, noise="position", friction=p.friction,
+            pressure=p.pressure, frictional=frictional(p),
+        )  # fmt: skip
+        guess = flat_guess(noisy, p.pressure)[: len(p.forces)]
+        found.append(relative_error(best.forces, p.forces, frictional=frictional(p)))
+        flat.append(relative_error(guess, p.forces, frictional=frictional(p)))
+    target(float(np.mean(found) / np.mean(flat)), label="bounded over flat")
+    assert np.mean(found) < np.mean(flat)

@@ -17,6 +17,7 @@ from scaling import (
     worst_pattern,
 )
 from scaling.error_theory import LINEAR
+from scaling.sources import sources
 from tests.conftest import packing
 from tests.scaling.networks import loaded, triangle
 
@@ -121,6 +122,70 @@ def test_distribution_of_the_error():
     squares = drawn**2
     assert squares.mean() == pytest.approx(E.gain**2, rel=4 * E.relative_spread() / np.sqrt(20000))
     assert squares.std() / squares.mean() == pytest.approx(E.relative_spread(), rel=0.1)
+
+
+def correlated(n, seed=9):
+    """A covariance of sizes and positions together, every entry non-zero, of strength ~1."""
+    A = np.random.default_rng(seed).standard_normal((3 * n.grains, 3 * n.grains))
+    return A @ A.T / (3 * n.grains)
+
+
+def measured(n, source, η):
+    """The network with the noise η in its sizes and positions."""
+    moved = ContactNetwork(
+        n.positions + (source.positions @ η).reshape(2, -1).T,
+        n.radii + source.radii @ η,
+        n.pairs,
+        cell=n.cell,
+        images=n.images,
+    )
+    moved._geometry.update(loops=n.loops, forest=n.forest, windings=n.windings)
+    return moved
+
+
+@pytest.mark.parametrize("noise", ["diameter", "radius", "relative", "position", "both"])
+@pytest.mark.parametrize("method", LINEAR)
+def test_everything_about_the_error_by_sampling(method, noise):
+    """Reconstructions of noisy data, every estimator and kind of noise: rms of each contact,
+    distribution of E (quantiles within 4 standard errors), and no draw worse than the worst
+    pattern, which itself does what it says. At ξ = 1e-5 Δ second order is far below 1e-2."""
+    if method == "transverse" and noise in ("diameter", "radius", "relative"):
+        pytest.skip("uses no sizes")
+    draws = 30 if (method, noise) == ("optimal", "both") else 80
+    p, rng = packing(grains=20, delta=1e-1), np.random.default_rng(4)
+    n, ε = network_of(p), 1e-6
+    Σ = correlated(n) if noise == "both" else None
+    kind = {"covariance": Σ} if noise == "both" else {"noise": noise}
+    moves = noise in ("position", "both")
+    E = error_map(n, method, **kind, **(given(p, "position") if moves else {}))
+    source = sources(n, kind.get("noise", "diameter"), Σ)
+    unit = p.stiffness * ε
+    arguments = {"method": method, "stiffness": p.stiffness}
+    if method == "optimal":  # weights count up to a factor
+        arguments |= {"covariance": Σ} if noise == "both" else {"noise": noise, "xi": ε}
+    if method == "transverse":
+        arguments["normal_forces"] = p.normal_forces
+
+    def error(η):
+        return (reconstruct(measured(n, source, ε * η), **arguments).forces - p.forces) / unit
+
+    δf = np.array([error(rng.standard_normal(E.sources)) for _ in range(draws)])
+    mean_square = np.sum(δf.reshape(draws, 2, -1) ** 2, axis=1)
+    z = (mean_square.mean(axis=0) - E.per_contact**2) / (
+        mean_square.std(axis=0) / np.sqrt(draws) + 1e-2 * E.per_contact**2
+    )
+    assert np.abs(z).max() < 5
+    rms = np.sqrt(np.mean(δf**2, axis=1))
+    drawn = E.sample(rng, 4000)
+    for q in (0.25, 0.5, 0.75):
+        below = np.mean(rms < np.quantile(drawn, q))
+        assert abs(below - q) < 4 * np.sqrt(q * (1 - q) * (1 / draws + 1 / 4000))
+    s, η, response = E.worst_pattern()
+    assert np.abs(error(η) - response).max() < 1e-2 * np.abs(response).max()
+    assert np.linalg.norm(error(η)) > 0.99 * s
+    for _ in range(10):
+        other = rng.standard_normal(E.sources)
+        assert np.linalg.norm(error(other / np.linalg.norm(other))) < s
 
 
 def test_any_covariance():

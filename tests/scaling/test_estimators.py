@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.linalg import null_space
+from scipy.sparse import csr_array
 
 from scaling import (
     ContactNetwork,
+    bounded,
     cramer_rao,
     error_map,
     flat_guess,
@@ -17,7 +19,7 @@ from scaling import (
     reconstruct,
     relative_error,
 )
-from scaling.bounded import Prior, posterior
+from scaling.bounded import Prior, bounded_forces, posterior
 from scaling.credible import coverage, credible_intervals
 from scaling.sources import sources
 from tests.conftest import packing
@@ -113,6 +115,65 @@ def test_infeasible_problems_are_refused():
         reconstruct(
             network_of(p), p.stiffness, "bounded", xi=1e-5, friction=1e-6, pressure=p.pressure
         )
+
+
+def noisy_problem(p, xi, seed, frictional=True):
+    noisy = perturb(network_of(p), xi, np.random.default_rng(seed), "position")
+    noise = sources(noisy, "position", xi=xi)
+    return posterior(
+        noisy, p.stiffness, p.friction, noise, pressure=p.pressure, frictional=frictional
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_no_grain_has_to_balance_in_wrong_directions(seed, monkeypatch):
+    """Positions off by 0.05: with directions taken as exact, the negative control, nothing is
+    feasible; with their turning weighed the estimate is better than the flat guess."""
+    p = packing(delta=1e-4, seed=seed)
+    problem = noisy_problem(p, 0.05, seed)
+    forces, _, report = bounded_forces(problem)
+    assert not report["curved"]
+    error = relative_error(forces, p.forces)
+    flat = relative_error(flat_guess(problem.equation.network, p.pressure), p.forces)
+    assert error < 0.7 * flat
+    data = bounded._data
+
+    def strict(*arguments):
+        turning, *rest = data(*arguments)
+        return csr_array(turning.shape), *rest
+
+    monkeypatch.setattr(bounded, "_data", strict)
+    with pytest.raises(ValueError, match="no forces satisfy"):
+        bounded._passes(problem, None, curved=False)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 10.0, 100.0])
+def test_nearly_isostatic_packings_need_the_second_order(ratio):
+    """Frictionless, one state of self-stress: linear in y nothing is feasible, with the second
+    order of the distances the error stays below 0.1, where the flat guess has 0.6."""
+    errors, flat = [], []
+    for seed in (1, 2):
+        p = packing(delta=1e-4, friction=0.0, seed=seed)
+        problem = noisy_problem(p, ratio * p.delta, seed, frictional=False)
+        with pytest.raises(ValueError, match="no forces satisfy"):
+            bounded._passes(problem, None, curved=False)
+        forces, _, report = bounded_forces(problem)
+        assert report["curved"]
+        errors.append(relative_error(forces, p.forces, frictional=False))
+        guess = flat_guess(problem.equation.network, p.pressure)[: len(p.forces)]
+        flat.append(relative_error(guess, p.forces, frictional=False))
+    assert np.mean(errors) < 0.1
+    assert np.mean(flat) > 0.5
+
+
+@pytest.mark.parametrize("delta", [1e-2, 1e-4])
+def test_the_second_order_changes_little_where_it_is_not_needed(delta):
+    """At ξ = Δ its own scale is ξ²/Δ = Δ, in f̄: forces move by less than ten times that."""
+    p = packing(delta=delta, seed=2)
+    problem = noisy_problem(p, delta, 2)
+    plain, curved = (bounded._passes(problem, None, c)[0] for c in (False, True))
+    change = np.abs(plain - curved).max()
+    assert 1e-8 * problem.mean_force < change < 10 * delta * problem.mean_force
 
 
 @pytest.mark.parametrize(
@@ -329,6 +390,28 @@ def test_open_clusters_leave_the_global_moment_free(delta):
         errors[method] = relative_error(reconstruct(noisy, 1.0, method, **more).forces, true)
     assert errors["optimal"] < 1e-2
     assert errors["balanced"] < 1e-2
+
+
+def test_bounded_on_a_region_with_known_loads():
+    """A region cut out: the loads at its rim give f̄, no pressure is needed (and none accepted). At
+    ξ = 10 Δ the estimate balances, pushes, and beats the flat guess."""
+    p = packing(grains=100, delta=1e-3)
+    f = p.forces.reshape(2, -1)
+    mask = np.linalg.norm(p.positions - p.cell.sum(axis=0) / 2, axis=1) < 0.4 * p.cell[0, 0]
+    while (
+        lonely := mask
+        & (np.bincount(p.pairs[mask[p.pairs].all(axis=1)].ravel(), minlength=len(mask)) < 2)
+    ).any():
+        mask &= ~lonely
+    n = network_of(p).inside(mask, *f)
+    true, xi = f[:, n.contact_index].ravel(), 10 * p.delta
+    noisy = perturb(n, xi, np.random.default_rng(0), "position")
+    more = {"xi": xi, "noise": "position", "friction": p.friction}
+    found = reconstruct(noisy, p.stiffness, "bounded", **more)
+    assert found.normal.min() > -1e-7 * true.mean()
+    assert relative_error(found.forces, true) < relative_error(flat_guess(noisy), true)
+    with pytest.raises(ValueError, match="does not use pressure if the network is open"):
+        reconstruct(noisy, p.stiffness, "bounded", pressure=p.pressure, **more)
 
 
 def test_rhombus_balanced_by_hand():

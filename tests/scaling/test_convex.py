@@ -1,0 +1,67 @@
+"""The ladder of solver settings: programmes solved by hand, and what each failure is called."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_array
+
+from scaling import ContactNetwork, convex, perturb, reconstruct
+from scaling.bounded import Prior
+from tests.conftest import packing
+
+
+def test_by_hand():
+    """Nearest to (2, 1) with x + y = 1 and x <= m: (m, 1 - m)."""
+    P, q = np.ones(2), -np.array([2.0, 1.0])
+    equal, cone = csr_array([[1.0, 1.0]]), csr_array([[1.0, 0.0]])
+    z, report = convex.minimise(P, q, equal, np.ones(1), cone, 0.5)
+    assert z == pytest.approx([0.5, 0.5], abs=1e-7)
+    assert report["status"] == "Solved"
+    assert convex.minimise(P, q, equal, np.ones(1), cone, 0.7)[0][0] == pytest.approx(
+        0.7, abs=1e-7
+    )
+
+
+def test_contradictions_are_called_so():
+    with pytest.raises(ValueError, match="no forces satisfy"):
+        convex.minimise(
+            np.ones(1), np.zeros(1), csr_array([[1.0]]), np.ones(1), csr_array([[1.0]]), -2.0
+        )
+
+
+def test_a_breakdown_is_not_called_a_contradiction():
+    """Numbers no solver can handle: it says so, and nothing about forces."""
+    with pytest.raises(RuntimeError, match="did not solve the programme"):
+        convex.minimise(
+            np.full(1, np.nan), np.zeros(1), csr_array([[1.0]]), np.ones(1), csr_array([[1.0]])
+        )
+
+
+def test_exact_directions_are_solved_to_full_accuracy(monkeypatch):
+    """data="sizes": nearly redundant rows. The ladder reaches 1e-7 f̄; a regularisation that blurs
+    them, the negative control, stops at reduced accuracy and says so."""
+    p = packing(grains=100, delta=1e-4)
+    n, xi = ContactNetwork.from_packing(p), 0.01 * p.delta
+    noisy = perturb(n, xi, np.random.default_rng(0))
+    more = {"xi": xi, "data": "sizes", "friction": p.friction, "pressure": p.pressure}
+    found = reconstruct(noisy, p.stiffness, "bounded", **more).diagnostics
+    assert found["status"] == "Solved"
+    assert found["tolerance"] < 1e-7
+    monkeypatch.setattr(convex, "_ATTEMPTS", ((1e-6, True),))
+    blurred = reconstruct(noisy, p.stiffness, "bounded", **more).diagnostics
+    assert blurred["status"] == "AlmostSolved"
+    assert blurred["tolerance"] > 1e-7
+
+
+@pytest.mark.parametrize(
+    ("widths", "message"),
+    [
+        ((0.0, 0.5), "normal = 0"),
+        ((1.0, -1.0), "tangential = -1"),
+        ((np.inf, 1.0), "normal = inf"),
+    ],
+)
+def test_priors_without_width_are_refused(widths, message):
+    with pytest.raises(ValueError, match=f"prior: {message}"):
+        Prior(1.0, *widths)
