@@ -114,6 +114,55 @@ def test_residual_tolerance_is_obeyed():
         relax(Scene(32, 1e-2), 1, settings=Settings(residual_tolerance=1e-30, longest=60))
 
 
+def test_moves_too_long_to_be_linear_are_refused(monkeypatch):
+    """With no room for f_n - κ overlap at all every polish fails, and says by how much."""
+    monkeypatch.setattr(polish_module, "LAG", 0)
+    with pytest.raises(NotRelaxed, match=r"f_n - κ overlap is .* p: moves too long"):
+        relax(Scene(32, 1e-2), 1, settings=Settings(longest=60), progress=False)
+
+
+class Stored(Exception):
+    """Raised in place of storing the rest that the polish found."""
+
+
+def test_a_contact_that_would_pull_is_opened(monkeypatch):
+    """The weakest contact is made to pull at the end: on the tangent the others balance without
+    it.  Left in (no openings, the negative control), the polish fails."""
+    increments, without, opened = polish_module._increments, Equilibrium.without, []
+
+    def pulling(balance, trial):
+        normal, tangential, moves = increments(balance, trial)
+        if not opened:
+            weakest = np.flatnonzero(trial.bearing)[np.argmin(normal[trial.bearing])]
+            normal[weakest] = -1e-12 * normal.max()
+        return normal, tangential, moves
+
+    def remember(self, trial, pulls):
+        opened.append(np.flatnonzero(pulls))
+        return without(self, trial, pulls)
+
+    def store(state, balance, y, rest):
+        raise Stored(rest)
+
+    monkeypatch.setattr(polish_module, "LAG", np.inf)  # it would find the pull made up
+    monkeypatch.setattr(polish_module, "_increments", pulling)
+    monkeypatch.setattr(polish_module, "_store", store)
+    monkeypatch.setattr(Equilibrium, "without", remember)
+    with pytest.raises(Stored) as stored:
+        relax(Scene(48, 1e-4), 1, progress=False)
+    (rest,) = stored.value.args
+    assert rest.residual < 1e-12
+    ((weakest,),) = opened
+    assert not rest.bearing[weakest]
+    assert rest.normal[weakest] == 0
+    assert (rest.normal >= 0).all()
+
+    opened.clear()
+    monkeypatch.setattr(Equilibrium, "without", lambda self, trial, pulls: trial)
+    with pytest.raises(NotRelaxed, match="1 contacts would have to pull"):
+        relax(Scene(48, 1e-2), 1, settings=Settings(longest=60), progress=False)
+
+
 def test_unpolished_packing_must_balance_all_the_same():
     """A velocity criterion too weak for balance is refused, not handed out as a record."""
     with pytest.raises(NotRelaxed, match="stops before rest"):

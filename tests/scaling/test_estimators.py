@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from scipy.linalg import null_space
@@ -125,17 +127,19 @@ def noisy_problem(p, xi, seed, frictional=True):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", [3, 4])
-def test_no_grain_has_to_balance_in_wrong_directions(seed, monkeypatch):
-    """Positions off by 0.05: with directions taken as exact, the negative control, nothing is
-    feasible; with their turning weighed the estimate is better than the flat guess."""
-    p = packing(delta=1e-4, seed=seed)
-    problem = noisy_problem(p, 0.05, seed)
-    forces, _, report = bounded_forces(problem)
-    assert not report["curved"]
-    error = relative_error(forces, p.forces)
-    flat = relative_error(flat_guess(problem.equation.network, p.pressure), p.forces)
-    assert error < 0.7 * flat
+def test_no_grain_has_to_balance_in_wrong_directions(monkeypatch):
+    """Positions off by 0.08, six packings. Negative control: with directions taken as exact,
+    most have no feasible state; with their turning weighed most have one already to first order,
+    and every estimate is better than the flat guess."""
+    problems, first_order = [], 0
+    for seed in range(1, 7):
+        p = packing(delta=1e-4, seed=seed)
+        problem = noisy_problem(p, 0.08, seed)
+        forces, _, report = bounded_forces(problem)
+        flat = flat_guess(problem.equation.network, p.pressure)
+        assert relative_error(forces, p.forces) < 0.8 * relative_error(flat, p.forces)
+        first_order += not report["curved"]
+        problems.append(problem)
     data = bounded._data
 
     def strict(*arguments):
@@ -143,8 +147,14 @@ def test_no_grain_has_to_balance_in_wrong_directions(seed, monkeypatch):
         return csr_array(turning.shape), *rest
 
     monkeypatch.setattr(bounded, "_data", strict)
-    with pytest.raises(ValueError, match="no forces satisfy"):
-        bounded._passes(problem, None, curved=False)
+    refused = 0
+    for problem in problems:
+        with suppress(ValueError):
+            bounded._passes(problem, None, curved=False)
+            continue
+        refused += 1
+    assert refused >= 3, refused
+    assert first_order > 6 - refused, (first_order, refused)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 10.0, 100.0])
