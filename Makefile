@@ -39,8 +39,8 @@ bench: .venv/ready-bench
 	LD_LIBRARY_PATH=$(CURDIR)/.venv/lib $(RUN) -m benchmarks $(if $(FULL),--full)
 
 studies: .venv/ready-full
-	$(RUN) benchmarks/estimators.py
-	$(RUN) benchmarks/million_grains.py
+	$(RUN) -m benchmarks.estimators
+	$(RUN) -m benchmarks.million_grains
 
 .venv/ready-bench: pyproject.toml
 	test -x $(RUN) || $(PYTHON) -m venv .venv

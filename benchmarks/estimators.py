@@ -1,10 +1,11 @@
 """Studies of the estimators behind docs/estimators.md, one table each.
 
-    python benchmarks/estimators.py [laws] [prefactor] [positions] [ratio] [prior] [coverage]
-                                    [stiffness] [time]
+    python -m benchmarks.estimators [laws] [prefactor] [size] [positions] [ratio] [prior]
+                                    [coverage] [stiffness] [time]
 
 laws       gains against loops per contact and hyperstaticity per unknown, over friction and N
 prefactor  these laws on packings they were not found on, and the decomposition that explains them
+size       the same K²/ℓ over N, and the b of its growth 1 + b/N towards small packings
 positions  how fast redundant radii are lost: the bound for noise ξ on diameters, ζ on positions
 ratio      balanced over gppsz over N and Δ
 prior      what the prior of `bounded` does
@@ -205,6 +206,38 @@ def _off(values: np.ndarray) -> str:
     if np.isnan(values).any():
         return ""
     return f"{values.mean() / (values.std(ddof=1) / np.sqrt(len(values))):+.1f}"
+
+
+def size() -> None:
+    """K²/ℓ over N, and the fit a (1 + b/N); ± are standard errors over packings."""
+    counts = {50: 48, 100: 24, 300: 16, 1000: 8, 3000: 4}
+    print("| Δ | " + " | ".join(f"N = {n}" for n in counts) + " | b |")
+    print("|---|" + "---|" * (len(counts) + 1))
+    for delta in (1e-2, 1e-3, 1e-4):
+        found = {n: _loop_gains(delta, n, range(400, 400 + k)) for n, k in counts.items()}
+        means = np.array([v.mean() for v in found.values()])
+        errors = np.array([v.std(ddof=1) / np.sqrt(len(v)) for v in found.values()])
+        (slope, a), covariance = np.polyfit(
+            1 / np.array(list(counts)), means, 1, w=1 / errors, cov="unscaled"
+        )
+        b, relative = slope / a, np.sqrt(covariance[0, 0] / slope**2 + covariance[1, 1] / a**2)
+        cells = " | ".join(_bar(v) for v in found.values())
+        print(f"| {delta:g} | {cells} | {b:.1f} ± {b * relative:.1f} |", flush=True)
+
+
+def _loop_gains(delta: float, grains: int, seeds: Sequence[int]) -> np.ndarray:
+    """K²/ℓ of gppsz, noise on diameters, per packing; beyond 100 grains by 24 probes."""
+    values = []
+    for p in make([Scene(grains, delta)] * len(seeds), seeds):
+        network = net(p)
+        error = error_map(network)
+        K = (
+            error.gain
+            if grains <= 100
+            else error.estimated_gain(np.random.default_rng(SEED), 24)[0]
+        )
+        values.append(K**2 / (network.faces / network.contacts))
+    return np.array(values)
 
 
 def cut() -> None:
@@ -437,13 +470,15 @@ def times() -> None:
 
 
 STUDIES = {
-    "laws": laws, "prefactor": prefactor, "positions": positions, "ratio": ratio, "prior": prior,
-    "coverage": measure_coverage, "stiffness": stiffness, "time": times,
+    "laws": laws, "prefactor": prefactor, "size": size, "positions": positions, "ratio": ratio,
+    "prior": prior, "coverage": measure_coverage, "stiffness": stiffness, "time": times,
 }  # fmt: skip
 
 
 def main() -> None:
-    """The studies named, or all."""
+    """The studies named, or all; ValueError for a name that is none."""
+    if unknown := set(sys.argv[1:]) - set(STUDIES):
+        raise ValueError(f"{unknown.pop()}: no such study; there are {', '.join(STUDIES)}")
     for name in sys.argv[1:] or STUDIES:
         start = time.perf_counter()
         print(f"\n## {name}\n")

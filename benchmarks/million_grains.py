@@ -3,7 +3,7 @@
 A relaxed periodic packing of 1000 grains is tiled 32 × 32, its diameters get noise of
 strength Δ. C of the small packing is known exactly, and tiling hardly changes it: a check.
 
-    OMP_NUM_THREADS=1 python benchmarks/million_grains.py [copies]
+    OMP_NUM_THREADS=1 python -m benchmarks.million_grains [copies]
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ scene has both or neither.  What rotation alone costs is timed piece by piece on
 (surface speeds of a pair, sum of torques, kick of the spins); the rest of what friction adds is
 its history (slip, spring, slider).  Numba's single loop cannot be taken apart like that.
 
-    python benchmarks/step_cost.py
+    python -m benchmarks.step_cost
 """
 
 from __future__ import annotations

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import benchmarks
 from benchmarks import dem_trade, floor, ramps, relaxation, rounding, size, solvers
 from benchmarks.tiling import tiled
 from dem import refine, relax
@@ -98,3 +102,17 @@ def test_exponents_come_with_their_errors():
     assert sizes == 4
     assert abs(slope - 1.5) < 3 * error < 0.05
     assert not solvers.exponents(table, "MB")
+
+
+@pytest.mark.parametrize("name", ["estimators", "million_grains"])
+def test_makefile_runs_the_studies_as_modules(name):
+    """As scripts they would not find paper_figs, which is not installed."""
+    root = Path(benchmarks.__file__).parents[1]
+    assert f"$(RUN) -m benchmarks.{name}\n" in (root / "Makefile").read_text()
+
+
+def test_unknown_studies_are_refused():
+    run = [sys.executable, "-m", "benchmarks.estimators", "phrenology"]
+    root = Path(benchmarks.__file__).parents[1]
+    done = subprocess.run(run, cwd=root, capture_output=True, text=True, check=False)
+    assert "phrenology: no such study; there are laws, " in done.stderr
