@@ -38,7 +38,8 @@ def main() -> None:
     write_table(edition.folder / "table1.csv", rows, facts)
     report(f"PNG, PDF and CSV are in {edition.folder.relative_to(ROOT)}/")
     print("\n" + table1.text(rows, fits))
-    print("\n" + fig4.text(tables["fig4"]))
+    for figure in (fig4, fig5, fig7):
+        print("\n" + figure.text(tables[figure.__name__.split(".")[-1]]))
 
 
 if __name__ == "__main__":

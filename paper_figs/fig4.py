@@ -167,7 +167,7 @@ def plot(table: np.ndarray) -> Figure:
 
 
 def text(table: np.ndarray) -> str:
-    """The table E(ξ/Δ) per noise, Δ and estimator, as Markdown."""
+    """The table E(ξ/Δ) per noise, Δ and estimator, and of the bound, as Markdown."""
     head = "| noise | Δ | estimator | " + " | ".join(f"ξ/Δ = {r:g}" for r in RATIOS) + " |"
     lines = [head, "|---|---|---|" + "---|" * len(RATIOS)]
     for noise in ("diameter", "position"):
@@ -183,6 +183,8 @@ def text(table: np.ndarray) -> str:
                     for r in mine
                 ]
                 lines.append(f"| {noise} | {delta:g} | {method} | " + " | ".join(cells) + " |")
+            cells = ["" if np.isnan(r["error"]) else f"{r['bound']:.2g}" for r in mine]
+            lines.append(f"| {noise} | {delta:g} | *bound* | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 

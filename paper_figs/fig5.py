@@ -142,6 +142,31 @@ def laws(table: np.ndarray) -> dict[str, tuple[float, float]]:
     return {k: (float(v.mean()), float(v.std(ddof=1))) for k, v in laws.items()}
 
 
+def text(table: np.ndarray) -> str:
+    """C of every estimator per Δ, for noise on diameters and then on positions, as Markdown."""
+    lines = [
+        "| Δ | Z | gppsz | balanced | direct | optimal = bound |",
+        "|---|---|---|---|---|---|",
+    ]
+    for delta in np.unique(table["delta"])[::-1]:
+        mine = table[table["delta"] == delta]
+        cells = [
+            ", ".join(
+                _bar(mine[f"K_{m}_{n}"] * mine["p_over_f"]) for n in ("diameter", "position")
+            )
+            for m in ("gppsz", "balanced", "direct", "optimal")
+        ]
+        lines.append(f"| {delta:g} | {mine['Z'].mean():.2f} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _bar(values: np.ndarray) -> str:
+    """Mean ± standard deviation; 0 where nothing but rounding is left."""
+    if values.mean() < 1e-6:
+        return "0"
+    return f"{values.mean():.3f} ± {values.std(ddof=1):.3f}"
+
+
 def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the metadata say."""
     return provenance(

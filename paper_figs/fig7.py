@@ -217,6 +217,30 @@ def plot(table: np.ndarray) -> Figure:
     return figure
 
 
+def text(table: np.ndarray) -> str:
+    """Misread contacts, and what they cost, per ξ/Δ, as Markdown."""
+    lines = [
+        "| ξ/Δ | false contacts | missed | gppsz: list known, inferred "
+        "| bounded: list known, inferred |",
+        "|---|---|---|---|---|",
+    ]
+    contacts = table[table["study"] == "contacts"]
+    for ratio in np.unique(contacts["ratio"]):
+        mine = {
+            r["method"]: (r["value"], r["value_sd"]) for r in contacts[contacts["ratio"] == ratio]
+        }
+        shares = [f"{100 * v:.1f} ± {100 * sd:.1f} %" for v, sd in (mine["false"], mine["missed"])]
+        errors = [
+            ", ".join(
+                f"{v:.3g} ± {sd:.1g}" for v, sd in (mine[f"{m} known"], mine[f"{m} inferred"])
+            )
+            for m in ("gppsz", "bounded")
+            if f"{m} known" in mine
+        ]
+        lines.append(f"| {ratio:g} | " + " | ".join(shares + errors) + " |")
+    return "\n".join(lines)
+
+
 def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the metadata say."""
     seeds = [p.info["seed"] for group in chosen(packings, edition).values() for p in group]

@@ -125,7 +125,7 @@ def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
     assert 1 / 1.5 < last["error"] / last["prior"] < 1.5
     empty = table[(table["delta"] == 1e-2) & (table["ratio"] == 10)]
     assert np.isnan(empty["error"]).all()
-    assert fig4.text(table).count("\n| diameter | ") == 15
+    assert fig4.text(table).count("\n| diameter | ") == 18
     paths = write(fig4.plot(table), tmp_path, "fig4", table, fig4.facts(packings, SMALL))
     assert len(read(paths[2])[1]) == len(table) == 150
 

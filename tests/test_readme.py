@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paper_figs import table1
+from paper_figs import fig4, fig5, fig7, table1
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text()
+ESTIMATORS = (ROOT / "docs" / "estimators.md").read_text()
 
 
 def test_ten_lines_run_and_the_prediction_holds(capsys):
@@ -45,3 +46,14 @@ def test_table_is_the_one_of_the_full_figures():
     flowing = " ".join(README.split())
     for line in table1.text(table, fits).splitlines():
         assert " ".join(line.split()) in flowing, line
+
+
+@pytest.mark.parametrize("figure", [fig4, fig5, fig7])
+def test_tables_of_the_estimators_are_those_of_the_full_figures(figure):
+    """Every line that figures 4, 5 and 7 print stands in docs/estimators.md, to the letter."""
+    path = ROOT / "figures" / f"{figure.__name__.split('.')[-1]}.csv"
+    table = np.genfromtxt(
+        path, figure.TABLE, delimiter=",", names=True, skip_header=1, encoding="utf-8"
+    )
+    for line in figure.text(table).splitlines():
+        assert line in ESTIMATORS, line
