@@ -219,14 +219,15 @@ def _response(
 
         def sizes(η: Floats) -> Floats:
             b = np.concatenate([np.zeros((rows, *η.shape[1:])), Q @ (B @ η)])
-            return of_sizes.solve(np.zeros_like(η), b)[k : k + n]
+            return source.unit * of_sizes.solve(np.zeros_like(η), b / source.unit)[k : k + n]
 
         return sizes
     of_all, _, C = optimal.geometric_problem(equation, source, φ)
 
     def all_data(η: Floats) -> Floats:
-        u = of_all.solve(np.zeros_like(η), C @ η)
-        return np.concatenate([B @ (η - u[:k]), u[k : k + n - len(B.indptr) + 1]])
+        u = of_all.solve(np.zeros_like(η), C @ η / source.unit)
+        φ_t = source.unit * u[k : k + n - equation.network.contacts]
+        return np.concatenate([B @ (η - u[:k]), φ_t])
 
     return all_data
 

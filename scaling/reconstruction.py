@@ -47,8 +47,9 @@ class Reconstruction:
         exact data. For `direct` without friction nothing is solved: the force imbalance.
     method, solver : as used; solver "none" if no equation was solved
     diagnostics : rows, unknowns, hyperstaticity, and negative, the number with f_n < 0.
-        `optimal` adds noise, the most probable η (k,), steps, and scale = κ ξ: times
-        `scaling.cramer_rao(...)` of the same arguments it is the error of the forces.
+        `optimal` adds noise, the most probable η (k,), steps, change, of the forces in the
+        last step, relative, and scale = κ ξ: times `scaling.cramer_rao(...)` of the same
+        arguments it is the error of the forces.
         `bounded` adds noise, status, iterations and tolerance of the convex solver, and curved:
         whether the second order of distances had to be let in
     """
@@ -132,8 +133,9 @@ def reconstruct(
         return _result(equation, f, residual, method, "factor")
     if method == "optimal":
         source = sources(network, noise, covariance, xi)
-        f, y, steps = optimal_forces(equation, stiffness, source, data)
-        more = {"noise": y / source.xi, "steps": steps, "scale": stiffness * source.xi}
+        f, y, steps, change = optimal_forces(equation, stiffness, source, data)
+        more = {"noise": y / source.xi, "steps": steps, "change": change}
+        more["scale"] = stiffness * source.xi
         return _result(equation, f, _imbalance(equation, f), method, "factor", more)
     if method == "bounded":
         if friction is None:

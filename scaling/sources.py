@@ -38,14 +38,17 @@ class Sources:
 
     Attributes
     ----------
-    radii : (N, k) sparse L_R, a length
+    radii : (N, k) sparse L_R, in `unit`
     positions : (2N, k) sparse L_x, x coordinates before y
-    xi : ξ, the strength; 1 if it was not given
+    xi : ξ, the strength; 1 if it was not given. Of a covariance a length, the rms deviation
+        of a source, and L has no unit
+    unit : what L is measured in: ⟨σ⟩, or 1 for a covariance
     """
 
     radii: csr_array
     positions: csr_array
     xi: float
+    unit: float = 1.0
 
     @property
     def count(self) -> int:
@@ -99,16 +102,17 @@ def sources(
     if covariance is None:
         check_noise(noise)
         strength = 1.0 if xi is None else float(xi)
-        if not strength > 0:
-            raise ValueError(f"xi = {xi}: the strength of the noise must be positive")
+        if not (np.isfinite(strength) and strength > 0):
+            raise ValueError(f"xi = {xi}: the strength of the noise must be positive and finite")
         if noise == "position":
             return Sources(
                 csr_array((N, 2 * N)),
                 csr_array(diags_array(np.full(2 * N, network.mean_diameter))),
                 strength,
+                network.mean_diameter,
             )
         sizes = csr_array(diags_array(radius_scale(network, noise)))
-        return Sources(sizes, csr_array((2 * N, N)), strength)
+        return Sources(sizes, csr_array((2 * N, N)), strength, network.mean_diameter)
     if noise != "diameter" or xi is not None:
         raise ValueError("covariance says all about the noise: noise and xi are not used with it")
     L = _factor(covariance, N)

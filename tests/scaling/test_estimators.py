@@ -476,3 +476,23 @@ def test_intervals_refuse_too_few_draws():
         credible_intervals(problem, np.random.default_rng(0), draws=10)
     with pytest.raises(ValueError, match="level = 1"):
         credible_intervals(problem, np.random.default_rng(0), level=1)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 3.0])
+def test_optimal_converges_or_says_that_it_does_not(ratio):
+    """ξ = 0.05 to 0.3: the last change of the forces is below 1e-6, or there are no forces."""
+    p = packing(delta=1e-1)
+    xi = ratio * p.delta
+    for seed in range(3):
+        noisy = perturb(network_of(p), xi, np.random.default_rng(seed), "position")
+        with suppress(RuntimeError):
+            found = reconstruct(noisy, p.stiffness, "optimal", xi=xi, noise="position")
+            assert found.diagnostics["change"] < 1e-6
+
+
+def test_optimal_that_runs_out_of_steps_is_refused(monkeypatch):
+    p = packing()
+    noisy = perturb(network_of(p), 1e-2, np.random.default_rng(0), "position")
+    monkeypatch.setattr("scaling.optimal._MOST_STEPS", 2)
+    with pytest.raises(RuntimeError, match="after 2 steps the forces still change by"):
+        reconstruct(noisy, p.stiffness, "optimal", xi=1e-2, noise="position")
