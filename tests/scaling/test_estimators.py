@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 
 from scaling import (
     ContactNetwork,
+    balanced,
     bounded,
     cramer_rao,
     error_map,
@@ -264,7 +265,8 @@ def test_bound_by_its_definition(delta):
     )
     expected = stoica_ng(n, p.forces, p.stiffness, L_R, L_x)
     scale = np.trace(expected)
-    found = bound.covariance * (np.sum(L_R**2) + np.sum(L_x**2)) / 60  # ξ² of the covariance
+    assert bound.xi**2 == pytest.approx((np.sum(L_R**2) + np.sum(L_x**2)) / 60)
+    found = bound.covariance * bound.xi**2
     assert np.trace(found) == pytest.approx(scale, rel=1e-4)
     assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max()
     # Without the turning of directions in M it is another number.
@@ -496,3 +498,21 @@ def test_optimal_that_runs_out_of_steps_is_refused(monkeypatch):
     monkeypatch.setattr("scaling.optimal._MOST_STEPS", 2)
     with pytest.raises(RuntimeError, match="after 2 steps the forces still change by"):
         reconstruct(noisy, p.stiffness, "optimal", xi=1e-2, noise="position")
+
+
+def test_balanced_does_not_remember_other_radii():
+    """An open network: the same answer whichever radii were asked for before (the lever arms of
+    the global moment are radii); and the factorisation for the same radii is kept."""
+    truth = loaded(periodic(100, delta=1e-1))
+    whole = truth.network
+    inner = np.linalg.norm(whole.positions - whole.cell.sum(axis=0) / 2, axis=1) < 3
+    n = whole.inside(inner, truth.normal, truth.tangential)
+    assert n.cell is None
+    moved = perturb(n, 0.05, np.random.default_rng(0))
+    alone = ContactNetwork(n.positions, moved.radii, n.pairs, external=moved.external)
+    expected = reconstruct(alone, 1.0, "balanced").forces
+    reconstruct(n, 1.0, "balanced")
+    found = reconstruct(moved, 1.0, "balanced").forces
+    assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
+    equation = force_equation(moved)
+    assert balanced.solver(equation) is balanced.solver(equation)

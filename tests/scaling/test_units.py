@@ -92,7 +92,7 @@ def test_conditions_that_are_not_met_are_refused(monkeypatch):
     problem = ConstrainedLeastSquares(csr_array(eye_array(2)), B, "two numbers")
     assert problem.solve(np.zeros(2), np.ones(1)) == pytest.approx([0.5, 0.5])
     monkeypatch.setattr(problem, "_solve", lambda a, b: np.array([0.5, 0.501]))
-    with pytest.raises(RuntimeError, match="two numbers: .* violated by 1.4e-03"):
+    with pytest.raises(RuntimeError, match=r"two numbers: .* violated by 1.4e-03"):
         problem.solve(np.zeros(2), np.ones(1))
 
 
