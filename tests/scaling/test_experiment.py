@@ -52,6 +52,46 @@ def test_a_grain_touches_its_own_image():
     assert images.tolist() == [[1, 0]]
 
 
+@pytest.mark.parametrize("change", [[[1, 0], [0, 1]], [[2, -1], [-1, 1]], [[1, 2], [2, 5]]])
+def test_own_images_in_any_direction_of_the_cell(change):
+    """Lattice vectors (0, 0.82) and (1.1, 0.1), one disk of diameter 0.84, and the same lattice in
+    other words, where the contact has image (1, 1) or (-5, 2), say: always one contact."""
+    cell = np.array(change) @ np.array([[0, 0.82], [1.1, 0.1]])
+    pairs, images = infer_contacts([[0.3, 4.0]], [0.42], cell=cell)
+    assert pairs.tolist() == [[0, 0]]
+    assert abs(images @ cell)[0] == pytest.approx([0, 0.82])
+    assert images[0][np.flatnonzero(images[0])[0]] > 0
+    n = ContactNetwork([[0.3, 4.0]], [0.42], pairs, cell=cell, images=images)
+    assert n.distances == pytest.approx([0.82])
+
+
+def test_own_image_along_1_minus_2():
+    """a - 2 b = (0, 0.82): the sign of the first non-zero entry names the contact."""
+    cell = np.array([[2.2, 1.02], [1.1, 0.1]])
+    pairs, images = infer_contacts([[0.0, 0.0]], [0.42], cell=cell)
+    assert (pairs.tolist(), images.tolist()) == ([[0, 0]], [[1, -2]])
+
+
+def test_own_images_are_matched_in_either_sense():
+    one, m = np.array([[0, 0]]), np.array([[1, -2]])
+    for other in (m, -m):
+        assert [a.tolist() for a in confusion(one, m, one, other)] == [[0], [0]]
+    two = np.array([[0, 1]])
+    assert [a.tolist() for a in confusion(two, m, two, -m)] == [[], []]
+
+
+def test_a_cell_too_small_for_its_grains_is_refused():
+    """Radius 0.5 in a cell of 0.3 or 0.003: a grain would touch beyond its neighbouring cells. A
+    sheared cell is not small: the same grains, the same contacts."""
+    for side in (0.3, 0.003):
+        with pytest.raises(ValueError, match="over more than the neighbouring cells"):
+            infer_contacts([[0.0, 0.0]], [0.5], cell=side * np.eye(2))
+    for k in (0, 1, 40):
+        pairs, images = infer_contacts([[0.1, 0.2]], [0.5], 1e-9, cell=[[1, 0], [k, 1]])
+        lengths = np.linalg.norm(images @ np.array([[1, 0], [k, 1]]), axis=1)
+        assert (len(pairs), lengths.tolist()) == (2, [1.0, 1.0])
+
+
 @pytest.mark.parametrize("delta", [1e-1, 1e-3, 1e-5])
 def test_exact_geometry_shows_the_contacts(delta):
     """At threshold 0 the pairs are those of the packing, and so are their distances, also for
