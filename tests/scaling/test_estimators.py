@@ -516,3 +516,51 @@ def test_balanced_does_not_remember_other_radii():
     assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
     equation = force_equation(moved)
     assert balanced.solver(equation) is balanced.solver(equation)
+
+
+@pytest.mark.parametrize("xi", [np.inf, np.nan, 0.0, -1.0])
+def test_optimal_needs_a_finite_strength(xi):
+    p = packing()
+    with pytest.raises(ValueError, match=f"xi = {xi}: the strength of the noise must be positive"):
+        reconstruct(network_of(p), p.stiffness, "optimal", xi=xi)
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"noise": "foo"}, "noise 'foo' is unknown"),
+        ({"noise": "position", "data": "sizes"}, "position noise needs data='all'"),
+        ({"covariance": np.ones(48)}, "noise and xi are not used"),
+    ],
+)
+def test_infinite_noise_is_checked_like_any_other(more, message):
+    p = packing()
+    limits = {"friction": p.friction, "pressure": p.pressure}
+    with pytest.raises(ValueError, match=message):
+        reconstruct(network_of(p), p.stiffness, "bounded", xi=np.inf, **limits, **more)
+
+
+def test_bounded_without_friction_needs_no_coefficient():
+    pytest.importorskip("clarabel")
+    p = packing(friction=0.0)
+    more = {"xi": 1e-4, "pressure": p.pressure, "frictional": False}
+    found, given = (
+        reconstruct(network_of(p), p.stiffness, "bounded", **more, **friction).forces
+        for friction in ({}, {"friction": 0.0})
+    )
+    assert (found == given).all()
+    with pytest.raises(ValueError, match=r"friction 0.3 is not used: frictional=False"):
+        reconstruct(network_of(p), p.stiffness, "bounded", friction=0.3, **more)
+
+
+def test_what_is_left_of_equilibrium():
+    """`residual` of `optimal`: rounding with noisy sizes; with noisy positions the grains balance
+    in the directions that are found, not in those measured."""
+    p, xi = packing(delta=1e-2), 1e-3
+    left = {}
+    for noise in ("diameter", "position"):
+        noisy = perturb(network_of(p), xi, np.random.default_rng(0), noise)
+        found = reconstruct(noisy, p.stiffness, "optimal", xi=xi, noise=noise)
+        left[noise] = found.residual / p.pressure
+    assert left["diameter"] < 1e-10
+    assert 1e-2 * xi < left["position"] < 10 * xi
