@@ -19,19 +19,27 @@ from scaling.equation import ForceEquation
 
 
 def solver(equation: ForceEquation) -> ConstrainedLeastSquares:
-    """The constrained problem in f (and a free share of the moment of open components)."""
-    equation.matrices.system.require_full_rank()
+    """The constrained problem in f (and a free share of the moment of open components).
 
-    def make(_: object) -> ConstrainedLeastSquares:
-        M, closure = equation.M, equation.matrices.closure
-        if equation.frictional:
-            moments = global_moments(equation.network)
+    Kept with the geometry, but moments have radii for lever arms: of an open network the one for
+    the last radii is kept.
+    """
+    equation.matrices.system.require_full_rank()
+    M, closure = equation.M, equation.matrices.closure
+    moments = csr_array((M.shape[0], 0))
+    if equation.frictional:
+        moments = global_moments(equation.network)
+    kept = equation.network._geometry
+    key = ("balanced", equation.frictional, equation.winding)
+    if key not in kept or not np.array_equal(kept[key][0], moments.data):
+        if moments.shape[1]:
             M = hstack([M, moments])
             closure = hstack([closure, csr_array((closure.shape[0], moments.shape[1]))])
-        return ConstrainedLeastSquares(closure, M, "loops in least squares, balance exact")
-
-    key = ("balanced", equation.frictional, equation.winding)
-    return equation.network._from_geometry(key, make)
+        problem = ConstrainedLeastSquares(closure, M, "loops in least squares, balance exact")
+        kept[key] = moments.data, problem
+    problem = kept[key][1]
+    assert isinstance(problem, ConstrainedLeastSquares)
+    return problem
 
 
 def balanced_forces(equation: ForceEquation, stiffness: float) -> tuple[Floats, Floats]:

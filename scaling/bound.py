@@ -40,6 +40,7 @@ def cramer_rao(
 ) -> ErrorMap:
     """The bound at the noise-free `network`, as an error map: `.gain`, `.per_contact` ...
 
+    Standard deviations of forces are κ ξ times those of the map, ξ = `.xi` for a covariance.
     Parameters: see `scaling.error_map`. `forces` are the true ones, for noisy positions; left out,
     the bound is that of directions known exactly in M, higher or lower by O(Δ).
     """

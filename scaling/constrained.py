@@ -32,6 +32,8 @@ WEIGHTS = (1e7, 1e9, 1e11, 1e13)
 _CREEP = 1e-4
 """What may still move at the end: directions that B sees with s < 1e-6 only, such as the noise of
 positions known 1e6 times better than sizes. Its effect on forces is smaller by as much."""
+_VIOLATION = 1e-8
+"""What may be left of the conditions, relative to the data: above rounding, far below noise."""
 DENSE_UP_TO = 2500
 """Unknowns and conditions up to which a failed iteration is replaced by a decomposition."""
 _STEPS = 12  # with each weight; the rounding of a step is ~1e-16 w, and is corrected by the next
@@ -71,8 +73,25 @@ class ConstrainedLeastSquares:
     def solve(self, a: Floats, b: Floats) -> Floats:
         """u, (n,) for a (p,) and b (m,), or (n, k) for (p, k) and (m, k).
 
-        RuntimeError if the corrections do not die out.
+        RuntimeError if the corrections do not die out, or the conditions are not met.
         """
+        u = self._solve(a, b)
+        # Of conditions that contradict each other the least violation is left: Bᵀ(B u - b) = 0.
+        scale = self._size * float(np.linalg.norm(a) + np.linalg.norm(b))
+        violation = float(np.linalg.norm(self.B.T @ (self.B @ u - b)))
+        if not violation <= _VIOLATION * scale:
+            raise RuntimeError(
+                f"{self.name}: the constraints are violated by {violation / scale:.1e}, relative: "
+                "its rows and weights are of very different size"
+            )
+        return u
+
+    @cached_property
+    def _size(self) -> float:
+        """|B|, the largest norm of a column: of the order of its largest singular value."""
+        return float(np.sqrt(self.B.multiply(self.B).sum(axis=0).max()))
+
+    def _solve(self, a: Floats, b: Floats) -> Floats:
         A, B = self.A, self.B
         u = np.zeros((A.shape[1], *a.shape[1:]))
         λ = np.zeros_like(b)

@@ -64,6 +64,8 @@ def collapse(
     check_noise(noise)
     if not (np.isfinite(ratios).all() and (ratios > 0).all()):
         raise ValueError(f"xis {ratios.tolist()}: strengths must be positive")
+    if not xi_max > 0:
+        raise ValueError(f"xi_max = {xi_max}: the largest strength must be positive")
     if draws < 1:
         raise ValueError(f"draws = {draws}: at least one is needed")
     rows: list[tuple] = []

@@ -47,7 +47,6 @@ class Matrices:
     Q: csr_array
     loops: Loops
     rows: NDArray
-    frictional: bool
     active: NDArray
 
     @cached_property
@@ -235,4 +234,4 @@ def _assemble(network: ContactNetwork, frictional: bool, winding: bool) -> Matri
         matrix.eliminate_zeros()
     rows = [(kind, i) for kind in kinds for i in active]
     rows += [(f"loop {axis}", k) for axis in "xy" for k in range(len(loops))]
-    return Matrices(M, Q, loops, np.array(rows, dtype=ROW), frictional, active)
+    return Matrices(M, Q, loops, np.array(rows, dtype=ROW), active)

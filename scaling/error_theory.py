@@ -43,13 +43,16 @@ class ErrorMap:
     Attributes
     ----------
     respond : (k, m) noise η -> (2c, m) errors δf/(κ ξ), lengths; (c, m) if frictionless
-    sources, contacts : k and c
+    sources, contacts, unknowns : k, c and 2c (c if frictionless)
+    xi : ξ of a covariance, a length: κ ξ E Eᵀ κ ξ is then the covariance of the forces. 1 for
+        noise of a convention, whose strength is the user's
     """
 
     respond: Callable[[Floats], Floats]
     sources: int
     contacts: int
     unknowns: int
+    xi: float = 1.0
 
     @cached_property
     def matrix(self) -> Floats:
@@ -64,7 +67,7 @@ class ErrorMap:
 
     @property
     def gain(self) -> float:
-        """K, a length: E_rms = K κ ξ/⟨|f|⟩."""
+        """K, a length (a number for a covariance): E_rms = K κ ξ/⟨|f|⟩."""
         return float(np.sqrt(np.sum(self.matrix**2) / self.unknowns))
 
     @property
@@ -104,14 +107,20 @@ class ErrorMap:
         return np.sqrt(rng.chisquare(1.0, (draws, len(s))) @ s**2 / self.unknowns)
 
     def relative_spread(self) -> float:
-        """Standard deviation of the squared error over its mean, √(2 Σ s⁴)/Σ s²."""
+        """Standard deviation of the squared error over its mean, √(2 Σ s⁴)/Σ s².
+
+        ValueError: the map vanishes.
+        """
         s = self.singular_values
+        if not s.any():
+            raise ValueError("the error map is 0: there is no error to be spread")
         return float(np.sqrt(2 * np.sum(s**4)) / np.sum(s**2))
 
     def estimated_gain(self, rng: np.random.Generator, probes: int) -> tuple[float, float]:
         """(K, its standard error) from random probes instead of the whole of E; for large N.
 
         |E z|²/(2c), z = ±1, has the mean K² whatever E; its scatter over probes gives the bar.
+        A map that vanishes gives (0, 0).
         """
         if probes < 2:
             raise ValueError(f"probes = {probes}: an error bar needs two")
@@ -123,6 +132,8 @@ class ErrorMap:
         )
         squares /= self.unknowns
         K = float(np.sqrt(squares.mean()))
+        if K == 0:
+            return 0.0, 0.0
         return K, float(squares.std(ddof=1) / np.sqrt(probes) / (2 * K))
 
 
@@ -144,10 +155,11 @@ def error_map(
     Parameters
     ----------
     method : "gppsz", "direct", "transverse", "balanced" or "optimal"
-    noise, covariance : see `scaling.sources`; with a covariance, ξ = 1
+    noise, covariance : see `scaling.sources`. E is the response per ξ; a covariance has a ξ of
+        its own, `ErrorMap.xi`, so that errors of forces are κ `xi` times those of the map
     data : for `optimal`: "all", or "sizes" (with exact directions)
     forces : (2c,) or (c,), if positions are noisy: adds the turning of directions in M. Without
-        them directions count as exact in M
+        them directions count as exact in M, and for `transverse` nothing would be left: refused
     stiffness : κ of these forces; by default the slope of f_n against the overlaps
     solver, tol : for `gppsz`: see `scaling.least_squares`
 
@@ -165,6 +177,10 @@ def error_map(
     source = sources(network, noise, covariance)
     if not source.moves and (forces is not None or stiffness is not None):
         raise ValueError("size noise leaves G alone: forces and stiffness are not used")
+    if source.moves and method == "transverse" and forces is None:
+        raise ValueError("method 'transverse' feels position noise through δM f: give forces")
+    if stiffness is not None and not (np.isfinite(stiffness) and stiffness > 0):
+        raise ValueError(f"stiffness {stiffness}: it must be positive")
     φ = np.zeros(equation.unknowns)
     if forces is not None:
         f = checks.finite("force", "component", forces, (equation.unknowns,))
@@ -173,7 +189,7 @@ def error_map(
         raise ValueError("stiffness is not used without forces")
     B, D = source.overlaps(network), source.balance(network, φ)
     respond = _response(equation, method, source, B, D, φ, data, solver, tol)
-    return ErrorMap(respond, source.count, network.contacts, equation.unknowns)
+    return ErrorMap(respond, source.count, network.contacts, equation.unknowns, source.xi)
 
 
 def worst_pattern(
@@ -219,14 +235,15 @@ def _response(
 
         def sizes(η: Floats) -> Floats:
             b = np.concatenate([np.zeros((rows, *η.shape[1:])), Q @ (B @ η)])
-            return of_sizes.solve(np.zeros_like(η), b)[k : k + n]
+            return source.unit * of_sizes.solve(np.zeros_like(η), b / source.unit)[k : k + n]
 
         return sizes
     of_all, _, C = optimal.geometric_problem(equation, source, φ)
 
     def all_data(η: Floats) -> Floats:
-        u = of_all.solve(np.zeros_like(η), C @ η)
-        return np.concatenate([B @ (η - u[:k]), u[k : k + n - len(B.indptr) + 1]])
+        u = of_all.solve(np.zeros_like(η), C @ η / source.unit)
+        φ_t = source.unit * u[k : k + n - equation.network.contacts]
+        return np.concatenate([B @ (η - u[:k]), φ_t])
 
     return all_data
 

@@ -34,11 +34,18 @@ class Extended:
 
     def with_radii(self, radii: Floats, low: ArrayLike | None) -> Extended:
         """The same places with other radii."""
-        return replace(self, radii=_joined("radii_low", radii, low))
+        return replace(self, radii=_joined("radii_low", radii, low, radii))
 
     def unwrapped(self, shift: Integers) -> Extended:
         """Each grain moved by its ``shift (N, 2)`` of lattice vectors, without the cell."""
         return replace(self, x=self.x + self._lattice(shift), cell=None)
+
+    def tiled(self, place: Integers, n: int) -> Extended:
+        """A copy at each `place` (copies, 2), one after the other, in a cell n times as large."""
+        assert self.cell is not None
+        grain = np.tile(np.arange(len(self.radii.high)), len(place))
+        shift = self._lattice(np.repeat(place, len(self.radii.high), axis=0))
+        return Extended(self.x[grain] + shift, self.radii[grain], self.cell * float(n))
 
     def overlaps(self, pairs: Integers, images: Integers) -> Floats:
         """(c,) δ, to 16 digits of itself."""
@@ -90,9 +97,9 @@ def with_low_parts(
     if cell is None and cell_low is not None:
         raise ValueError("cell_low is given, but there is no cell")
     return Extended(
-        _joined("positions_low", positions, positions_low),
-        _joined("radii_low", radii, radii_low),
-        None if cell is None else _joined("cell_low", cell, cell_low),
+        _joined("positions_low", positions, positions_low, positions, radii),
+        _joined("radii_low", radii, radii_low, radii),
+        None if cell is None else _joined("cell_low", cell, cell_low, cell),
     )
 
 
@@ -107,12 +114,13 @@ def low_parts(extended: Extended | None) -> dict[str, Any]:
     }
 
 
-def _joined(name: str, high: Floats, low: ArrayLike | None) -> DoubleDouble:
+def _joined(name: str, high: Floats, low: ArrayLike | None, *lengths: Floats) -> DoubleDouble:
+    """high + low, `low` below the rounding of the largest of `lengths`, in any unit."""
     if low is None:
         return DoubleDouble.of(high)
     part = checks.finite(name, "entry", low, np.shape(high))
     # A rounded coordinate leaves half an ulp of the largest out; anything else is a mix-up.
-    allowed = 4 * np.finfo(float).eps * max(1.0, float(np.abs(high).max()))
+    allowed = 4 * np.finfo(float).eps * max(float(np.abs(each).max()) for each in lengths)
     if np.abs(part).max(initial=0.0) > allowed:
         raise ValueError(
             f"{name} reaches {np.abs(part).max():.3g}: a low part is below one ulp, {allowed:.1g}"

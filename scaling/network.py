@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike
 from scaling import checks, subnetwork
 from scaling.checks import Floats, Integers, frozen
 from scaling.extended import Extended, with_low_parts
+from scaling.lattice import reduced
 from scaling.loops import Loops, faces
 from scaling.resolution import warn_if_coarse
 from scaling.windings import Forest, spanning_forest, winding_loops
@@ -45,7 +46,7 @@ class ContactNetwork:
         `images` and `normals`.
     cell : (2, 2), rows are the lattice vectors, or None for an open network
     images : (c, 2) integers: contact e joins x_i to x_j + images[e] @ cell. None in a periodic
-        cell means the nearest image of each pair.
+        cell means the nearest image of each pair, however sheared the cell is.
     external : (N, 3) force and torque on each grain, default none
     normals : (c, 2) unit vectors, when directions were measured themselves; they then
         stand for the directions and `positions` (if any) for the distances only
@@ -303,9 +304,10 @@ def _normals(x: Floats, pairs: Integers, images: Integers, cell: Floats | None) 
 
 def _nearest_images(x: Floats, pairs: Integers, cell: Floats) -> Integers:
     branch = x[pairs[:, 1]] - x[pairs[:, 0]]
-    nearest = -np.round(branch @ np.linalg.inv(cell))
-    # Rounding fractional coordinates may miss the nearest image of a sheared cell by one.
+    short, T = reduced(cell)
+    nearest = -np.round(branch @ np.linalg.inv(short))
+    # Rounding fractional coordinates may miss the nearest image, of a reduced cell by one at most.
     around = np.array([[a, b] for a in (-1, 0, 1) for b in (-1, 0, 1)])
     candidates = nearest[:, None, :] + around
-    r = np.linalg.norm(branch[:, None, :] + candidates @ cell, axis=2)
-    return candidates[np.arange(len(pairs)), r.argmin(axis=1)].astype(np.int64)
+    r = np.linalg.norm(branch[:, None, :] + candidates @ short, axis=2)
+    return candidates[np.arange(len(pairs)), r.argmin(axis=1)].astype(np.int64) @ T

@@ -65,6 +65,14 @@ def check_noise(noise: str) -> None:
         raise ValueError(f"noise {noise!r} is unknown; there are {', '.join(NOISE)}")
 
 
+def check_moves(network: ContactNetwork) -> None:
+    """Refuse position noise where it could not reach directions and distances together."""
+    if network.positions is None:
+        raise ValueError("position noise needs positions: this network has directions only")
+    if network._directions_measured:
+        raise ValueError("position noise would not reach directions that were measured themselves")
+
+
 def radius_scale(network: ContactNetwork, noise: str) -> Floats:
     """(N,) standard deviation of R_i at ξ = 1."""
     mean = np.full(network.grains, network.mean_diameter)
@@ -111,10 +119,8 @@ def _along(network: ContactNetwork, direction: Floats) -> csr_array:
 
 
 def _moved(network: ContactNetwork, xi: float, rng: np.random.Generator) -> ContactNetwork:
-    if network.positions is None:
-        raise ValueError("position noise needs positions: this network has directions only")
-    if network._directions_measured:
-        raise ValueError("position noise would not reach directions that were measured themselves")
+    check_moves(network)
+    assert network.positions is not None
     displacement = xi * network.mean_diameter * rng.standard_normal(network.positions.shape)
     moved = type(network)(
         **_displaced(network, displacement),

@@ -33,17 +33,24 @@ from scaling.sources import Sources
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork
 
-_MOST_STEPS = 12
+_MOST_STEPS = 40
+_SMALL = 1e-6
+"""Relative change of the forces that may be left in the last step."""
+_ROUNDING = 1e3 * np.finfo(float).eps
+"""Rounding of an overlap, in ⟨σ⟩, with what the estimate makes of it."""
 
 
 def geometric_problem(
     equation: ForceEquation, noise: Sources, φ: Floats
 ) -> tuple[ConstrainedLeastSquares, csr_array, csr_array]:
-    """The problem in (y ; φ_t) linearised at φ = f/κ, with its B and C."""
+    """The problem in (y ; φ_t) linearised at φ = f/κ, with its B and C.
+
+    Lengths in it (φ_t and the right-hand side C y) are in `noise.unit`, so that it has no unit.
+    """
     matrices, network = equation.matrices, equation.network
     B = noise.overlaps(network)
     C = csr_array(matrices.M_normal @ B + noise.balance(network, φ))
-    blocks = [C]
+    blocks = [C / noise.unit]
     if equation.frictional:
         matrices.transverse.require_full_rank()
         blocks += [-matrices.M_tangential, global_moments(network)]
@@ -55,12 +62,13 @@ def geometric_problem(
 
 
 def size_problem(equation: ForceEquation, noise: Sources) -> ConstrainedLeastSquares:
-    """The problem in (y ; φ) of data="sizes"."""
+    """The problem in (y ; φ) of data="sizes", lengths in `noise.unit`."""
     if noise.moves:
         raise ValueError("data='sizes' takes directions as exact: position noise needs data='all'")
     matrices = equation.matrices
     matrices.system.require_full_rank()
-    QB = matrices.Q @ noise.overlaps(equation.network)  # positions exact: the response of σ
+    # Positions are exact: B is the response of σ.
+    QB = matrices.Q @ noise.overlaps(equation.network) / noise.unit
     conditions = vstack(
         [
             hstack([csr_array((equation.M.shape[0], noise.count)), equation.M]),
@@ -73,12 +81,17 @@ def size_problem(equation: ForceEquation, noise: Sources) -> ConstrainedLeastSqu
 
 def optimal_forces(
     equation: ForceEquation, stiffness: float, noise: Sources, data: str
-) -> tuple[Floats, Floats, int]:
-    """(f, y = the noise found in the data, steps)."""
+) -> tuple[Floats, Floats, int, float]:
+    """(f, y = the noise found in the data, steps, relative change of f in the last one).
+
+    One step is exact unless positions are noisy. RuntimeError: the steps do not converge, as for
+    noise that moves grains by a good part of their size.
+    """
+    unit = noise.unit
     if data == "sizes":
-        t = equation.rhs(stiffness) / stiffness
+        t = equation.rhs(stiffness) / stiffness / unit
         u = size_problem(equation, noise).solve(np.zeros(noise.count), t)
-        return stiffness * u[noise.count :], u[: noise.count], 1
+        return stiffness * unit * u[noise.count :], u[: noise.count], 1, 0.0
     F = -equation.balance_rhs() / stiffness
     c, k = equation.network.contacts, noise.count
     y, φ = np.zeros(k), np.zeros(equation.unknowns)
@@ -86,17 +99,28 @@ def optimal_forces(
     for step in range(_MOST_STEPS):
         problem, B, C = geometric_problem(here, noise, φ)
         δ = here.network.overlaps
-        u = problem.solve(np.zeros(k), F + here.matrices.M_normal @ δ + C @ y)
-        y_new, φ_t = u[:k], u[k : k + equation.unknowns - c]
+        b = F + here.matrices.M_normal @ δ + C @ y
+        u = problem.solve(np.zeros(k), b / unit)
+        y_new, φ_t = u[:k], unit * u[k : k + equation.unknowns - c]
         φ_new = np.concatenate([δ - B @ (y_new - y), φ_t])
         scale = float(np.linalg.norm(φ_new)) or 1.0
         change = float(np.linalg.norm(φ_new - φ)) / scale
         y, φ = y_new, φ_new
-        if not noise.moves or change < 1e-10 or (step > 2 and change > 0.5 * previous):
-            break
+        if not noise.moves:
+            return stiffness * φ, y, 1, 0.0
+        # Done when the change is tiny, or no longer shrinks because it is rounding of overlaps.
+        rounding = _ROUNDING * equation.network.mean_diameter / (scale / np.sqrt(len(φ)))
+        small = change < max(_SMALL, rounding)
+        if change < 1e-10 or (small and change > 0.5 * previous):
+            return stiffness * φ, y, step + 1, change
         previous = change
         here = force_equation(_corrected(equation.network, noise, y), equation.frictional)
-    return stiffness * φ, y, step + 1
+    if small:
+        return stiffness * φ, y, step + 1, change
+    raise RuntimeError(
+        f"optimal estimate: after {_MOST_STEPS} steps the forces still change by {change:.1e} of "
+        f"themselves; noise of xi = {noise.xi:g} is too strong to linearise"
+    )
 
 
 def _corrected(network: ContactNetwork, noise: Sources, y: Floats) -> ContactNetwork:

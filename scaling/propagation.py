@@ -29,7 +29,13 @@ from scaling.equation import ForceEquation, force_equation
 from scaling.error import mean_force
 from scaling.error_theory import LINEAR, error_map, slope
 from scaling.network import ContactNetwork
-from scaling.noise import balance_response, check_noise, distance_response, size_response
+from scaling.noise import (
+    balance_response,
+    check_moves,
+    check_noise,
+    distance_response,
+    size_response,
+)
 
 _BLOCK = 256  # noise sources per solve: bounds the memory to 2c × 256 numbers
 
@@ -74,6 +80,8 @@ def gain(
         raise ValueError("method 'transverse' finds tangential forces: frictional=False has none")
     if method == "transverse" and noise == "position" and forces is None:
         raise ValueError("method 'transverse' feels position noise through δM f: give forces")
+    if noise == "position":
+        check_moves(network)
     if method in ("balanced", "optimal"):
         return error_map(
             network, method, noise, frictional=frictional, forces=forces, stiffness=stiffness

@@ -43,12 +43,15 @@ class Reconstruction:
     ----------
     normal, tangential : (c,) f_n and f_t (zeros if frictionless), in units of stiffness × length
     forces : (2c,) f_n then f_t; (c,) f_n alone if frictionless
-    residual : root mean square over the rows of the equation that was solved, a force. 0 for
-        exact data. For `direct` without friction nothing is solved: the force imbalance.
+    residual : root mean square over rows, a force; 0 for exact data. `gppsz`: of Eq. 1; `direct`,
+        `transverse`: of equilibrium; `balanced`: of the loops; `optimal`, `bounded`: of
+        equilibrium in the directions as measured. These two balance the grains in the directions
+        that they find, so with noisy positions it does not vanish; else it is rounding
     method, solver : as used; solver "none" if no equation was solved
     diagnostics : rows, unknowns, hyperstaticity, and negative, the number with f_n < 0.
-        `optimal` adds noise, the most probable η (k,), steps, and scale = κ ξ: times
-        `scaling.cramer_rao(...)` of the same arguments it is the error of the forces.
+        `optimal` adds noise, the most probable η (k,), steps, change, of the forces in the
+        last step, relative, and scale = κ ξ: times `scaling.cramer_rao(...)` of the same
+        arguments it is the error of the forces.
         `bounded` adds noise, status, iterations and tolerance of the convex solver, and curved:
         whether the second order of distances had to be let in
     """
@@ -82,7 +85,8 @@ def reconstruct(
 
     Parameters
     ----------
-    stiffness : κ > 0, force per length, f_n = κ (σ - r). `transverse` accepts None.
+    stiffness : κ > 0, force per length, f_n = κ (σ - r). `transverse` accepts None; a number
+        has no bearing on its forces
     method : "gppsz", "direct", "transverse", "balanced", "optimal" or "bounded"
     frictional : False: no tangential forces, no torques
     solver, tol : see `scaling.least_squares`; tol for solver="lsmr" only
@@ -91,7 +95,8 @@ def reconstruct(
         `scaling.sources`; one of xi and covariance is needed. xi = inf, for `bounded`: sizes and
         distances are not known at all
     data : for `optimal` and `bounded`, "all" or "sizes" (no distances, directions exact)
-    friction, pressure : for `bounded`: μ, and in a periodic cell p
+    friction, pressure : for `bounded`: μ (not needed, and 0, if frictionless), and in a periodic
+        cell p
 
     ValueError: bad input, an argument that the method ignores, an equation without a unique
     solution, with its rank, or conditions of `bounded` that contradict each other. RuntimeError:
@@ -132,14 +137,25 @@ def reconstruct(
         return _result(equation, f, residual, method, "factor")
     if method == "optimal":
         source = sources(network, noise, covariance, xi)
-        f, y, steps = optimal_forces(equation, stiffness, source, data)
-        more = {"noise": y / source.xi, "steps": steps, "scale": stiffness * source.xi}
+        f, y, steps, change = optimal_forces(equation, stiffness, source, data)
+        more = {"noise": y / source.xi, "steps": steps, "change": change}
+        more["scale"] = stiffness * source.xi
         return _result(equation, f, _imbalance(equation, f), method, "factor", more)
     if method == "bounded":
         if friction is None:
-            raise ValueError("method 'bounded' needs the friction coefficient")
+            if frictional:
+                raise ValueError("method 'bounded' needs the friction coefficient")
+            friction = 0.0
+        elif friction and not frictional:
+            raise ValueError(f"friction {friction} is not used: frictional=False has none")
         unknown = xi is not None and np.isinf(xi) and xi > 0 and covariance is None
-        weak = None if unknown else sources(network, noise, covariance, xi)
+        # Checked as for any ξ, though with ξ = ∞ nothing is left of the kind of noise.
+        known = sources(network, noise, covariance, None if unknown else xi)
+        if data == "sizes" and known.moves:
+            raise ValueError(
+                "data='sizes' takes directions as exact: position noise needs data='all'"
+            )
+        weak = None if unknown else known
         problem = posterior(
             network, stiffness, friction, weak,
             pressure=pressure, data=data, frictional=frictional,

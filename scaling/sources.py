@@ -21,6 +21,7 @@ from scipy.sparse import csr_array, diags_array, issparse
 from scaling.checks import Floats
 from scaling.noise import (
     balance_response,
+    check_moves,
     check_noise,
     distance_response,
     radius_scale,
@@ -38,14 +39,17 @@ class Sources:
 
     Attributes
     ----------
-    radii : (N, k) sparse L_R, a length
+    radii : (N, k) sparse L_R, in `unit`
     positions : (2N, k) sparse L_x, x coordinates before y
-    xi : ξ, the strength; 1 if it was not given
+    xi : ξ, the strength; 1 if it was not given. Of a covariance a length, the rms deviation
+        of a source, and L has no unit
+    unit : what L is measured in: ⟨σ⟩, or 1 for a covariance
     """
 
     radii: csr_array
     positions: csr_array
     xi: float
+    unit: float = 1.0
 
     @property
     def count(self) -> int:
@@ -91,30 +95,36 @@ def sources(
     ----------
     noise : "diameter", "radius", "relative" or "position", of strength `xi` (default 1)
     covariance : instead, in length²: of the radii alone, or of (R ; x ; y): N or 3N variances,
-        or an N × N or 3N × 3N matrix, dense or sparse; zeros mean exact data
+        or an N × N or 3N × 3N matrix, dense or sparse; zeros mean exact data. It is written as
+        ξ² L Lᵀ with ξ the rms deviation of its sources
 
-    ValueError: unknown noise, both kinds of noise given, or a matrix that is no covariance.
+    ValueError: unknown noise, both kinds of noise given, a matrix that is no covariance, or noisy
+    positions of a network whose directions were measured themselves, or that has none.
     """
     N = network.grains
     if covariance is None:
         check_noise(noise)
         strength = 1.0 if xi is None else float(xi)
-        if not strength > 0:
-            raise ValueError(f"xi = {xi}: the strength of the noise must be positive")
+        if not (np.isfinite(strength) and strength > 0):
+            raise ValueError(f"xi = {xi}: the strength of the noise must be positive and finite")
         if noise == "position":
+            check_moves(network)
             return Sources(
                 csr_array((N, 2 * N)),
                 csr_array(diags_array(np.full(2 * N, network.mean_diameter))),
                 strength,
+                network.mean_diameter,
             )
         sizes = csr_array(diags_array(radius_scale(network, noise)))
-        return Sources(sizes, csr_array((2 * N, N)), strength)
+        return Sources(sizes, csr_array((2 * N, N)), strength, network.mean_diameter)
     if noise != "diameter" or xi is not None:
         raise ValueError("covariance says all about the noise: noise and xi are not used with it")
     L = _factor(covariance, N)
     scale = float(np.sqrt((L.multiply(L)).sum() / max(L.shape[1], 1)))
     L = csr_array(L / scale)
     positions = L[N:] if L.shape[0] > N else csr_array((2 * N, L.shape[1]))
+    if positions.nnz:
+        check_moves(network)
     return Sources(csr_array(L[:N]), csr_array(positions), scale)
 
 

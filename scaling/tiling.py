@@ -9,23 +9,26 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from scaling import checks
 from scaling.checks import Floats
+from scaling.extended import low_parts
+from scaling.lattice import forward
 from scaling.network import ContactNetwork
+from scaling.propagation import is_frictional
 
 
 def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
     """`copies` × `copies` times the periodic `network`; copy a holds grains a N ... a N + N - 1.
 
-    Contacts stay in order within each copy; see `tiled_forces`. ValueError: no cell, no
-    positions, or fewer than one copy.
+    Contacts stay in order within each copy; see `tiled_forces`. Directions that were measured, and
+    low parts, are repeated too. ValueError: no cell, no positions, or a number of copies that
+    is not 1, 2, ...
     """
     if network.cell is None:
         raise ValueError("an open network cannot be tiled: it has no cell")
     if network.positions is None:
         raise ValueError("tiling needs positions: this network has directions only")
-    n, N = int(copies), network.grains
-    if n < 1:
-        raise ValueError(f"copies = {copies}: at least one is needed")
+    n, N = _whole(copies), network.grains
     place = np.array([[a, b] for a in range(n) for b in range(n)])
     x = (network.positions[None] + (place @ network.cell)[:, None]).reshape(-1, 2)
     i, j = network.pairs.T
@@ -34,21 +37,38 @@ def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
     first = (np.arange(n * n)[:, None] * N + i).ravel()
     second = ((inside[..., 0] * n + inside[..., 1]) * N + j).ravel()
     images = images.reshape(-1, 2)
-    swap = (first > second) | (
-        (first == second) & ((images[:, 0] < 0) | ((images[:, 0] == 0) & (images[:, 1] < 0)))
-    )
+    swap = (first > second) | ((first == second) & ~forward(images))
     pairs = np.column_stack([np.where(swap, second, first), np.where(swap, first, second)])
+    radii, cell, more = np.tile(network.radii, n * n), n * network.cell, {}
+    if network.extended is not None:
+        large = network.extended.tiled(place, n)
+        assert large.cell is not None
+        x, radii, cell, more = large.x.high, large.radii.high, large.cell.high, low_parts(large)
+    if network._directions_measured:
+        normals = np.tile(network.normals, (n * n, 1))
+        more["normals"] = np.where(swap[:, None], -normals, normals)
     return ContactNetwork(
         x,
-        np.tile(network.radii, n * n),
+        radii,
         pairs,
-        cell=n * network.cell,
+        cell=cell,
         images=np.where(swap[:, None], -images, images),
         external=np.tile(network.external, (n * n, 1)),
+        **more,
     )
 
 
 def tiled_forces(network: ContactNetwork, forces: ArrayLike, copies: int) -> Floats:
-    """The forces of `network`, (2c,) or (c,), in the order of the contacts of `tiled`."""
-    f = np.asarray(forces, dtype=float).reshape(-1, network.contacts)
-    return np.tile(f, (1, int(copies) ** 2)).ravel()
+    """The forces of `network`, (2c,) or (c,), in the order of the contacts of `tiled`.
+
+    ValueError: another number of forces, one that is not finite, or of copies.
+    """
+    parts = 2 if is_frictional(network, forces) else 1
+    f = checks.finite("force", "component", np.ravel(forces), (parts * network.contacts,))
+    return np.tile(f.reshape(parts, -1), (1, _whole(copies) ** 2)).ravel()
+
+
+def _whole(copies: float) -> int:
+    if not (np.isfinite(copies) and copies >= 1 and copies == int(copies)):
+        raise ValueError(f"copies = {copies}: a whole number is needed, at least one")
+    return int(copies)

@@ -29,7 +29,10 @@ def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = N
     forces : (2c,) f_n then f_t, or (c,) f_n alone
     area : what the forces are spread over; needed for an open network, which has no area of
         its own, and refused for a periodic one, whose area is that of its cell
+
+    ValueError: another number of forces, one that is not finite, or a wrong area.
     """
+    frictional = is_frictional(network, forces)
     f = checks.finite("force", "component", forces, (np.size(forces),))
     c = network.contacts
     if network.cell is not None:
@@ -41,6 +44,6 @@ def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = N
     elif not (np.isfinite(area) and area > 0):
         raise ValueError(f"area {area}: it must be positive")
     on_j = f[:c, None] * network.normals
-    if is_frictional(network, f):
+    if frictional:
         on_j = on_j - f[c:, None] * network.tangents
     return (network.distances[:, None] * network.normals).T @ on_j / area

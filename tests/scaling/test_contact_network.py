@@ -275,3 +275,26 @@ def test_lattice_counts():
     """Coordination 6, 4 and 3 by construction."""
     Z = [lattice(kind, 3).coordination for kind in ("triangular", "square", "honeycomb")]
     assert Z == [6, 4, 3]
+
+
+@pytest.mark.parametrize("shear", [0.5, 1.0, 3.0, 10.3, -40.5])
+def test_nearest_images_in_sheared_cells(shear):
+    """Against all lattice vectors within reach, for 200 random pairs."""
+    cell, rng = np.array([[3.0, 0.0], [3 * shear, 3.0]]), np.random.default_rng(0)
+    x = rng.uniform(0, 1, (400, 2)) @ cell
+    pairs = np.arange(400).reshape(200, 2)
+    n = ContactNetwork(x, np.full(400, 0.1), pairs, cell=cell)
+    k = int(abs(shear)) + 3
+    m = np.array([[a, b] for b in (-2, -1, 0, 1, 2) for a in range(-3 * k, 3 * k + 1)])
+    branch = x[pairs[:, 1]] - x[pairs[:, 0]]
+    nearest = np.linalg.norm(branch[:, None] + m @ cell, axis=2).min(axis=1)
+    assert n.distances == pytest.approx(nearest, abs=1e-12)
+
+
+@pytest.mark.parametrize("image", [(1, 0), (0, 1), (1, -2), (-1, 2)])
+def test_one_contact_with_an_own_image_given_twice(image):
+    opposite = tuple(-m for m in image)
+    with pytest.raises(ValueError, match="contact 1 repeats contact 0: grains \\(0, 0\\)"):
+        ContactNetwork(
+            [[0.0, 0.0]], [0.5], [(0, 0), (0, 0)], cell=np.eye(2), images=[image, opposite]
+        )

@@ -136,3 +136,9 @@ def test_import_stays_light():
         check=True,
     )
     assert run.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize("xi_max", [np.nan, 0.0, -1.0])
+def test_a_largest_strength_that_is_none_is_refused(xi_max):
+    with pytest.raises(ValueError, match=f"xi_max = {xi_max}: the largest strength"):
+        collapse([], [1.0], np.random.default_rng(0), xi_max=xi_max)

@@ -9,6 +9,7 @@ from scaling import (
     ContactNetwork,
     amplification_of,
     collapse,
+    cramer_rao,
     error_map,
     gain,
     mean_force,
@@ -197,8 +198,8 @@ def test_any_covariance():
     Σ = A @ A.T
     plain = error_map(n, "gppsz", "radius").matrix / n.mean_diameter
     found = error_map(n, covariance=Σ)
-    scale = np.sqrt(np.trace(Σ) / 20)
-    assert found.covariance * scale**2 == pytest.approx(plain @ Σ @ plain.T, rel=1e-6, abs=1e-9)
+    assert found.xi == pytest.approx(np.sqrt(np.trace(Σ) / 20))
+    assert found.covariance * found.xi**2 == pytest.approx(plain @ Σ @ plain.T, rel=1e-6, abs=1e-9)
     variances = np.full(20, 0.25)
     joint = np.concatenate([variances, np.zeros(40)])
     for form in (variances, np.diag(variances), joint, np.diag(joint)):
@@ -206,6 +207,62 @@ def test_any_covariance():
         assert E.gain * 0.5 == pytest.approx(
             error_map(n, "gppsz", "radius").gain / n.mean_diameter / 2
         )
+
+
+def test_errors_grow_with_the_covariance():
+    """Four times the variances: the same map, twice ξ; κ ξ E is the map of a convention."""
+    n = network_of(packing(grains=20))
+    unit = error_map(n, noise="radius")
+    assert unit.xi == 1
+    for variance in (1e-6, 4e-6):
+        E = error_map(n, covariance=np.full(20, variance))
+        assert E.xi == pytest.approx(np.sqrt(variance))
+        assert E.gain * E.xi == pytest.approx(unit.gain * np.sqrt(variance) / n.mean_diameter)
+        bound = cramer_rao(n, covariance=np.full(60, variance))
+        assert bound.xi == pytest.approx(np.sqrt(variance))
+
+
+def test_a_map_that_vanishes():
+    """`transverse` uses no sizes: no error, with a bar of 0, and nothing that could be spread."""
+    E = error_map(network_of(packing(grains=20)), "transverse")
+    assert E.estimated_gain(np.random.default_rng(0), 3) == (0.0, 0.0)
+    with pytest.raises(ValueError, match="the error map is 0"):
+        E.relative_spread()
+
+
+def with_directions(p):
+    """The network of a packing with directions of their own, the true ones."""
+    n = network_of(p)
+    return ContactNetwork(
+        n.positions, n.radii, n.pairs, cell=n.cell, images=n.images, normals=n.normals
+    )
+
+
+def test_position_noise_is_refused_for_measured_directions():
+    p = packing()
+    n = with_directions(p)
+    for found in (
+        lambda: perturb(n, 1e-3, np.random.default_rng(0), "position"),
+        lambda: error_map(n, noise="position"),
+        lambda: cramer_rao(n, covariance=np.ones(3 * n.grains)),
+        lambda: gain(n, noise="position"),
+        lambda: reconstruct(n, p.stiffness, "optimal", xi=1e-3, noise="position"),
+        lambda: reconstruct(
+            n, p.stiffness, "bounded", xi=1e-3, noise="position",
+            friction=p.friction, pressure=p.pressure,
+        ),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match="would not reach directions that were measured"):
+            found()
+    sizes = np.concatenate([np.ones(n.grains), np.zeros(2 * n.grains)])
+    assert error_map(n, covariance=sizes).gain > 0
+
+
+@pytest.mark.parametrize("stiffness", [-1.0, 0.0, np.nan, np.inf])
+def test_a_stiffness_that_is_none_is_refused(stiffness):
+    p = packing()
+    with pytest.raises(ValueError, match=f"stiffness {stiffness}: it must be positive"):
+        error_map(network_of(p), noise="position", forces=p.forces, stiffness=stiffness)
 
 
 def test_amplification_of_the_new_methods():
@@ -244,6 +301,7 @@ def test_triangle_by_hand():
         ({"forces": np.ones(6)}, "forces and stiffness are not used"),
         ({"noise": "position", "stiffness": 1.0}, "stiffness is not used without forces"),
         ({"noise": "thermal"}, "noise 'thermal' is unknown"),
+        ({"method": "transverse", "noise": "position"}, "feels position noise through δM f"),
         (
             {"method": "optimal", "data": "sizes", "noise": "position"},
             "position noise needs data='all'",

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 
 from scaling import (
     ContactNetwork,
+    balanced,
     bounded,
     cramer_rao,
     error_map,
@@ -264,7 +265,8 @@ def test_bound_by_its_definition(delta):
     )
     expected = stoica_ng(n, p.forces, p.stiffness, L_R, L_x)
     scale = np.trace(expected)
-    found = bound.covariance * (np.sum(L_R**2) + np.sum(L_x**2)) / 60  # ξ² of the covariance
+    assert bound.xi**2 == pytest.approx((np.sum(L_R**2) + np.sum(L_x**2)) / 60)
+    found = bound.covariance * bound.xi**2
     assert np.trace(found) == pytest.approx(scale, rel=1e-4)
     assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max()
     # Without the turning of directions in M it is another number.
@@ -476,3 +478,89 @@ def test_intervals_refuse_too_few_draws():
         credible_intervals(problem, np.random.default_rng(0), draws=10)
     with pytest.raises(ValueError, match="level = 1"):
         credible_intervals(problem, np.random.default_rng(0), level=1)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 1.0, 3.0])
+def test_optimal_converges_or_says_that_it_does_not(ratio):
+    """ξ = 0.05 to 0.3: the last change of the forces is below 1e-6, or there are no forces."""
+    p = packing(delta=1e-1)
+    xi = ratio * p.delta
+    for seed in range(3):
+        noisy = perturb(network_of(p), xi, np.random.default_rng(seed), "position")
+        with suppress(RuntimeError):
+            found = reconstruct(noisy, p.stiffness, "optimal", xi=xi, noise="position")
+            assert found.diagnostics["change"] < 1e-6
+
+
+def test_optimal_that_runs_out_of_steps_is_refused(monkeypatch):
+    p = packing()
+    noisy = perturb(network_of(p), 1e-2, np.random.default_rng(0), "position")
+    monkeypatch.setattr("scaling.optimal._MOST_STEPS", 2)
+    with pytest.raises(RuntimeError, match="after 2 steps the forces still change by"):
+        reconstruct(noisy, p.stiffness, "optimal", xi=1e-2, noise="position")
+
+
+def test_balanced_does_not_remember_other_radii():
+    """An open network: the same answer whichever radii were asked for before (the lever arms of
+    the global moment are radii); and the factorisation for the same radii is kept."""
+    truth = loaded(periodic(100, delta=1e-1))
+    whole = truth.network
+    inner = np.linalg.norm(whole.positions - whole.cell.sum(axis=0) / 2, axis=1) < 3
+    n = whole.inside(inner, truth.normal, truth.tangential)
+    assert n.cell is None
+    moved = perturb(n, 0.05, np.random.default_rng(0))
+    alone = ContactNetwork(n.positions, moved.radii, n.pairs, external=moved.external)
+    expected = reconstruct(alone, 1.0, "balanced").forces
+    reconstruct(n, 1.0, "balanced")
+    found = reconstruct(moved, 1.0, "balanced").forces
+    assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
+    equation = force_equation(moved)
+    assert balanced.solver(equation) is balanced.solver(equation)
+
+
+@pytest.mark.parametrize("xi", [np.inf, np.nan, 0.0, -1.0])
+def test_optimal_needs_a_finite_strength(xi):
+    p = packing()
+    with pytest.raises(ValueError, match=f"xi = {xi}: the strength of the noise must be positive"):
+        reconstruct(network_of(p), p.stiffness, "optimal", xi=xi)
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"noise": "foo"}, "noise 'foo' is unknown"),
+        ({"noise": "position", "data": "sizes"}, "position noise needs data='all'"),
+        ({"covariance": np.ones(48)}, "noise and xi are not used"),
+    ],
+)
+def test_infinite_noise_is_checked_like_any_other(more, message):
+    p = packing()
+    limits = {"friction": p.friction, "pressure": p.pressure}
+    with pytest.raises(ValueError, match=message):
+        reconstruct(network_of(p), p.stiffness, "bounded", xi=np.inf, **limits, **more)
+
+
+def test_bounded_without_friction_needs_no_coefficient():
+    pytest.importorskip("clarabel")
+    p = packing(friction=0.0)
+    more = {"xi": 1e-4, "pressure": p.pressure, "frictional": False}
+    found, given = (
+        reconstruct(network_of(p), p.stiffness, "bounded", **more, **friction).forces
+        for friction in ({}, {"friction": 0.0})
+    )
+    assert (found == given).all()
+    with pytest.raises(ValueError, match=r"friction 0.3 is not used: frictional=False"):
+        reconstruct(network_of(p), p.stiffness, "bounded", friction=0.3, **more)
+
+
+def test_what_is_left_of_equilibrium():
+    """`residual` of `optimal`: rounding with noisy sizes; with noisy positions the grains balance
+    in the directions that are found, not in those measured."""
+    p, xi = packing(delta=1e-2), 1e-3
+    left = {}
+    for noise in ("diameter", "position"):
+        noisy = perturb(network_of(p), xi, np.random.default_rng(0), noise)
+        found = reconstruct(noisy, p.stiffness, "optimal", xi=xi, noise=noise)
+        left[noise] = found.residual / p.pressure
+    assert left["diameter"] < 1e-10
+    assert 1e-2 * xi < left["position"] < 10 * xi

@@ -52,6 +52,46 @@ def test_a_grain_touches_its_own_image():
     assert images.tolist() == [[1, 0]]
 
 
+@pytest.mark.parametrize("change", [[[1, 0], [0, 1]], [[2, -1], [-1, 1]], [[1, 2], [2, 5]]])
+def test_own_images_in_any_direction_of_the_cell(change):
+    """Lattice vectors (0, 0.82) and (1.1, 0.1), one disk of diameter 0.84, and the same lattice in
+    other words, where the contact has image (1, 1) or (-5, 2), say: always one contact."""
+    cell = np.array(change) @ np.array([[0, 0.82], [1.1, 0.1]])
+    pairs, images = infer_contacts([[0.3, 4.0]], [0.42], cell=cell)
+    assert pairs.tolist() == [[0, 0]]
+    assert abs(images @ cell)[0] == pytest.approx([0, 0.82])
+    assert images[0][np.flatnonzero(images[0])[0]] > 0
+    n = ContactNetwork([[0.3, 4.0]], [0.42], pairs, cell=cell, images=images)
+    assert n.distances == pytest.approx([0.82])
+
+
+def test_own_image_along_1_minus_2():
+    """a - 2 b = (0, 0.82): the sign of the first non-zero entry names the contact."""
+    cell = np.array([[2.2, 1.02], [1.1, 0.1]])
+    pairs, images = infer_contacts([[0.0, 0.0]], [0.42], cell=cell)
+    assert (pairs.tolist(), images.tolist()) == ([[0, 0]], [[1, -2]])
+
+
+def test_own_images_are_matched_in_either_sense():
+    one, m = np.array([[0, 0]]), np.array([[1, -2]])
+    for other in (m, -m):
+        assert [a.tolist() for a in confusion(one, m, one, other)] == [[0], [0]]
+    two = np.array([[0, 1]])
+    assert [a.tolist() for a in confusion(two, m, two, -m)] == [[], []]
+
+
+def test_a_cell_too_small_for_its_grains_is_refused():
+    """Radius 0.5 in a cell of 0.3 or 0.003: a grain would touch beyond its neighbouring cells. A
+    sheared cell is not small: the same grains, the same contacts."""
+    for side in (0.3, 0.003):
+        with pytest.raises(ValueError, match="over more than the neighbouring cells"):
+            infer_contacts([[0.0, 0.0]], [0.5], cell=side * np.eye(2))
+    for k in (0, 1, 40):
+        pairs, images = infer_contacts([[0.1, 0.2]], [0.5], 1e-9, cell=[[1, 0], [k, 1]])
+        lengths = np.linalg.norm(images @ np.array([[1, 0], [k, 1]]), axis=1)
+        assert (len(pairs), lengths.tolist()) == (2, [1.0, 1.0])
+
+
 @pytest.mark.parametrize("delta", [1e-1, 1e-3, 1e-5])
 def test_exact_geometry_shows_the_contacts(delta):
     """At threshold 0 the pairs are those of the packing, and so are their distances, also for
@@ -296,3 +336,49 @@ def test_tiling_a_cell_of_one_grain():
     assert big.contacts == 32
     assert (big.degrees == 4).all()
     assert big.distances == pytest.approx(1)
+
+
+def test_tiling_keeps_measured_directions():
+    """Directions off by 0.01: those of the copies are the same ones, turned where i and j are."""
+    p = packing()
+    n, turn = network_of(p), 0.01
+    normals = n.normals * np.cos(turn) + n.tangents * np.sin(turn)
+    own = ContactNetwork(
+        p.positions, p.radii, p.pairs, cell=p.cell, images=p.images, normals=normals
+    )
+    big = tiled(own, 2)
+    plain = tiled(n, 2)
+    across = np.sum(big.normals * plain.tangents, axis=1)
+    assert across == pytest.approx(np.full(big.contacts, np.sin(turn)))
+    with pytest.raises(ValueError, match="would not reach directions that were measured"):
+        perturb(big, 1e-3, np.random.default_rng(0), "position")
+
+
+@pytest.mark.parametrize("delta", [1e-8, 1e-11])
+def test_tiling_keeps_low_parts(delta):
+    """Overlaps and loop sums of the copies are those of the packing to 1e-13 of their size; in
+    doubles alone overlaps would be off by ε/Δ, 1e-8 or 1e-5."""
+    p = packing(grains=20, delta=delta)
+    n = network_of(p)
+    big = tiled(n, 3)
+    expected = np.tile(n.overlaps, 9)
+    assert np.abs(big.overlaps - expected).max() < 1e-13 * expected.max()
+    found = reconstruct(big, p.stiffness).forces
+    assert relative_error(found, tiled_forces(n, p.forces, 3)) < 1e-7
+
+
+@pytest.mark.parametrize("copies", [0, -1, 1.9, np.nan, np.inf])
+def test_copies_are_counted(copies):
+    n, f = network_of(packing()), packing().forces
+    for found in (lambda: tiled(n, copies), lambda: tiled_forces(n, f, copies)):
+        with pytest.raises(ValueError, match=f"copies = {copies}: a whole number is needed"):
+            found()
+
+
+def test_forces_of_no_network_are_not_tiled():
+    n, f = network_of(packing()), packing().forces.copy()
+    with pytest.raises(ValueError, match=f"{3 * n.contacts} forces for {n.contacts} contacts"):
+        tiled_forces(n, np.ones(3 * n.contacts), 2)
+    f[4] = np.nan
+    with pytest.raises(ValueError, match="force of component 4 is nan"):
+        tiled_forces(n, f, 2)

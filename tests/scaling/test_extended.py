@@ -127,3 +127,17 @@ def test_wrong_low_parts(low, message):
         ContactNetwork(t.positions, t.radii, t.pairs, **low)
     with pytest.raises(ValueError, match="no positions"):
         ContactNetwork(None, t.radii, t.pairs, normals=t.normals, radii_low=np.zeros(3))
+
+
+def test_a_low_part_is_small_in_any_unit():
+    """Radii of 0.5e-6, in metres: a low part of 1e-17 is 1e5 times the rounding of them."""
+    x, R, pairs = 1e-6 * np.array([[0.0, 0.0], [1.0, 0.0]]), np.full(2, 0.5e-6), [(0, 1)]
+    for name, low in (("positions_low", np.full((2, 2), 1e-17)), ("radii_low", np.full(2, 1e-17))):
+        with pytest.raises(ValueError, match=f"{name} reaches 1e-17"):
+            ContactNetwork(x, R, pairs, **{name: low})
+    tiny = ContactNetwork(x, R, pairs, radii_low=np.full(2, 1e-23), positions_low=1e-17 * x)
+    assert tiny.overlaps == pytest.approx([2e-23 - 1e-23])
+    large = ContactNetwork(1e9 * x, 1e9 * R, pairs, radii_low=np.full(2, 1e-14))
+    assert large.overlaps == pytest.approx([2e-14])
+    with pytest.raises(ValueError, match="radii_low reaches 1e-17"):
+        tiny.with_sizes(R, radii_low=np.full(2, 1e-17))

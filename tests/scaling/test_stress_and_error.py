@@ -90,3 +90,9 @@ def test_error_by_hand():
 def test_bad_forces_are_refused(predicted, true, message):
     with pytest.raises(ValueError, match=message):
         relative_error(predicted, true)
+
+
+def test_stress_of_too_few_forces_is_refused():
+    n = triangle(0.99)
+    with pytest.raises(ValueError, match="2 forces for 3 contacts: expected 3 or 6"):
+        stress(n, np.ones(2), area=1.0)
