@@ -3,7 +3,10 @@
 A pair enters when r < σ + skin.  With u = x - λ x⁰ the displacement since the list was made
 (λ the scale of the cell since then), no absent pair can touch while
 
-    2 max|u| < λ skin - (1 - λ) σ_max                                   (half a skin, λ = 1).
+    2 max|u| < λ skin - (1 - λ) σ                                       (half a skin, λ = 1)
+
+for the σ that makes this smallest: σ_max in a cell that has shrunk, σ_min in one that has grown,
+where small grains are carried apart by less beyond their contact than large ones.
 """
 
 from __future__ import annotations
@@ -38,11 +41,13 @@ class Neighbours:
     origin: np.ndarray
     sides: Floats
     skin: float
+    smallest: float
     largest: float
 
     def reach(self, scale: float) -> float:
         """The displacement max|u| up to which the list stays complete."""
-        return 0.5 * (scale * self.skin - (1 - scale) * self.largest)
+        worst = self.largest if scale < 1 else self.smallest
+        return 0.5 * (scale * self.skin - (1 - scale) * worst)
 
     def scale(self, state: State) -> float:
         """Size of the cell in units of what it was at the build."""
@@ -113,6 +118,7 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
         origin=position.copy(),
         sides=np.zeros(2) if state.cell is None else np.diag(state.cell).copy(),
         skin=skin,
+        smallest=2 * float(state.radii.min()),
         largest=2 * float(state.radii.max()),
     )
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
@@ -58,6 +59,10 @@ class NotRelaxed(RuntimeError):
     def __init__(self, message: str, state: State, speed: float, residual: float) -> None:
         super().__init__(message)
         self.state, self.speed, self.residual = state, speed, residual
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What a worker process sends home: the message, the numbers, the notes."""
+        return type(self), (str(self), self.state, self.speed, self.residual), self.__dict__
 
 
 def relax(

@@ -67,6 +67,10 @@ class State:
         self._forces: Any = None
         self._law: Any = None
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the workspace, which the next ``step`` makes anew: for pickles and copies."""
+        return self.__dict__ | {"_near": None, "_forces": None, "_law": None}
+
     @property
     def masses(self) -> Floats:
         """Masses m = π R² ``(N,)``."""

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import dem.ensemble as ensemble
-from dem import Packing, Scene, Settings, packing_key, relax, relax_ensemble
+from dem import NotRelaxed, Packing, Scene, Settings, packing_key, relax, relax_ensemble
 
 SETTINGS = Settings(backend="numpy")
 SCENES = [Scene(24, 1e-2), Scene(20, 1e-1), Scene(24, 1e-2)]
@@ -116,6 +116,22 @@ def test_one_failure_does_not_lose_the_others(tmp_path):
         assert "grains=3" in caught.value.__notes__[0]
         assert "seed 2" in caught.value.__notes__[0]
         assert len(list(folder.glob("*.npz"))) == 2
+
+
+def test_failure_in_another_process_loses_nothing_else(tmp_path):
+    """A scene that does not rest sends NotRelaxed through the pool, which goes on."""
+    scenes = [Scene(24, 0.2), Scene(24, 1e-6), Scene(24, 0.2), Scene(20, 0.2)]
+    hasty = Settings(backend="numpy", longest=1.0)  # 200 steps: enough at Δ = 0.2
+    with (
+        ProcessPoolExecutor(1) as pool,
+        pytest.raises(NotRelaxed, match=r"Δ = 1e-06, N = 24, seed 2") as caught,
+    ):
+        relax_ensemble(
+            scenes, range(1, 5), executor=pool, store=tmp_path, settings=hasty, progress=False
+        )
+    assert "seed 2" in caught.value.__notes__[0]
+    assert len(caught.value.state.radii) == 24
+    assert len(list(tmp_path.glob("*.npz"))) == 3
 
 
 KILLED = """

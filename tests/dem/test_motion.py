@@ -184,6 +184,29 @@ def test_shrinking_cell_brings_absent_pairs_into_contact(backend):
     assert seldom.velocities == pytest.approx(often.velocities, rel=1e-9)
 
 
+@pytest.mark.parametrize("small", [0.05, 0.2])
+def test_growing_cell_does_not_hide_small_grains_from_each_other(backend, small):
+    """Two small grains meet head-on while the cell, which holds a large one too, grows: what
+    the list may leave out depends on the smallest pair then.  They repel as with a list made at
+    every step, and never pass through each other."""
+    law, drive = ContactLaw(friction=0.0), Drive(pressure=1e-9)
+    apart = 2 * small + 0.2 + 0.005  # just not on the list
+    speed = 0.03 + 1.2 * small
+    often, seldom = (
+        State(
+            np.array([[5.0, 5.0], [5.0 + apart, 5.0], [15.0, 15.0]]), np.array([small, small, 1]),
+            velocities=np.array([[speed, 0.0], [-speed, 0.0], [0.0, 0.0]]),
+            cell=np.diag([20.0, 20.0]), strain_rate=0.1,
+        )
+        for _ in range(2)
+    )  # fmt: skip
+    for _ in range(70):
+        step(often, law, 0.01, drive=drive, steps=10, skin=1e-9, backend=backend)
+        step(seldom, law, 0.01, drive=drive, steps=10, skin=0.2, backend=backend)
+        assert seldom.positions[0, 0] < seldom.positions[1, 0]
+        assert seldom.positions == pytest.approx(often.positions, rel=1e-9)
+
+
 def test_skin_asked_for_is_the_skin_used():
     state = State(np.array([[0.0, 0.0], [1.4, 0.0]]), np.full(2, 0.5))
     for skin, pairs in ((0.5, 1), (0.1, 0)):

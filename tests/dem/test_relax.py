@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 
 import numpy as np
 import pytest
 
-from dem import NotRelaxed, Packing, Scene, Settings, relax
+from dem import ContactLaw, Drive, NotRelaxed, Packing, Scene, Settings, relax, step
 from tests.conftest import packing
 
 EPS = np.finfo(float).eps
@@ -102,6 +103,23 @@ def test_not_relaxed_carries_the_state_and_advice():
     assert len(caught.value.state.radii) == 32
     assert caught.value.speed > 1e-5
     assert caught.value.residual > 0
+
+
+def test_not_relaxed_travels_between_processes():
+    """Pickled it keeps message, numbers, notes and state, without the workspace of ``step``,
+    which is made anew: the motion goes on as it would have."""
+    with pytest.raises(NotRelaxed) as caught:
+        relax(Scene(32, 1e-2), 1, settings=Settings(longest=2.0), progress=False)
+    sent = caught.value
+    sent.add_note("from afar")
+    came = pickle.loads(pickle.dumps(sent))
+    assert (str(came), came.__notes__) == (str(sent), ["from afar"])
+    assert (came.speed, came.residual) == (sent.speed, sent.residual)
+    assert np.array_equal(came.state.positions, sent.state.positions)
+    assert came.state._near is came.state._forces is None
+    for state in (sent.state, came.state):
+        step(state, ContactLaw(), 0.1, drive=Drive(0.1, 1e-2), steps=20, skin=0.2)
+    assert np.abs(came.state.positions - sent.state.positions).max() <= 1e5 * EPS
 
 
 @pytest.mark.parametrize(
