@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from dem.packing_file import read_record, write_record
+from dem.scene import number_from_zero, positive_number
 from dem.soundness import check_contacts, check_forces
 from dem.state import Floats, Ints
 from doubledouble import DoubleDouble, hypot
@@ -93,17 +94,16 @@ class Packing:
         if self.cell is not None and abs(np.linalg.det(self.cell)) < 1e-12 * np.sum(self.cell**2):
             raise ValueError(f"cell {self.cell.tolist()} is singular")
         for name in ("stiffness", "pressure"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
-                raise ValueError(f"{name} = {getattr(self, name)} is not a finite number > 0")
-        if not (np.isfinite(self.friction) and self.friction >= 0):
-            raise ValueError(f"friction = {self.friction} is not a finite number >= 0")
+            object.__setattr__(self, name, positive_number(name, getattr(self, name)))
+        object.__setattr__(self, "friction", number_from_zero("friction", self.friction))
         check_contacts(self)
         check_forces(self)
 
     @property
     def width(self) -> float:
-        """Length of the longest lattice vector."""
-        assert self.cell is not None
+        """Length of the longest lattice vector; ValueError for an open packing."""
+        if self.cell is None:
+            raise ValueError("an open packing has no cell to be wide")
         return float(np.linalg.norm(self.cell, axis=1).max())
 
     @property

@@ -11,6 +11,8 @@ from math import isfinite
 from operator import index
 from typing import Any
 
+import numpy as np
+
 #: Below three grains there is no loop, hence no force equation.
 FEWEST_GRAINS = 3
 #: At Δ = 0.2 a contact is squeezed by a fifth of a diameter: no longer a contact of disks.
@@ -84,11 +86,32 @@ def whole_number(name: str, value: Any) -> int:
 
 
 def real_number(name: str, value: Any) -> float:
-    """``value`` as a Python float; ValueError naming it if it is no number."""
+    """``value`` as a Python float; ValueError naming it if it is no number.
+
+    Neither is a string that looks like one, nor True.
+    """
     try:
+        if isinstance(value, bool | np.bool_ | str | bytes):
+            raise TypeError
         return float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} = {value!r} is not a number") from None
+
+
+def positive_number(name: str, value: Any) -> float:
+    """``value`` as a finite Python float > 0; ValueError naming it if it is not."""
+    number = real_number(name, value)
+    if not (isfinite(number) and number > 0):
+        raise ValueError(f"{name} = {number} is not a finite number > 0")
+    return number
+
+
+def number_from_zero(name: str, value: Any) -> float:
+    """``value`` as a finite Python float >= 0; ValueError naming it if it is not."""
+    number = real_number(name, value)
+    if not (isfinite(number) and number >= 0):
+        raise ValueError(f"{name} = {number} is not a finite number >= 0")
+    return number
 
 
 def seed_number(seed: Any) -> int:

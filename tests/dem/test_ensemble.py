@@ -188,6 +188,31 @@ def test_key_tells_apart_all_that_decides_a_packing(monkeypatch):
     assert packing_key(scene, 1, SETTINGS) == packing_key(scene, 1, SETTINGS)
 
 
+def test_key_is_that_of_the_present_algorithm(monkeypatch):
+    """Scene, seed, settings, backend and the number of the algorithm, on any machine: a change of
+    what ``relax`` returns must change the number, and with it the names of stored packings."""
+    scene, plain = Scene(48, 1e-3), Settings(backend="numpy")
+    assert ensemble.ALGORITHM == 5
+    assert packing_key(scene, 1, plain) == "f4f1faee21e34ca215576ffe"
+    monkeypatch.setattr(ensemble, "ALGORITHM", 4)
+    assert packing_key(scene, 1, plain) != "f4f1faee21e34ca215576ffe"
+
+
+def test_settings_of_equal_value_have_one_key():
+    keys = {
+        packing_key(SCENES[0], 1, Settings(backend="numpy", drag=drag, polish=polish))
+        for drag in (1, 1.0, np.float32(1), np.float64(1), np.int64(1))
+        for polish in (True, np.True_)
+    }
+    assert len(keys) == 1
+
+
+def test_settings_from_numpy_are_stored(tmp_path):
+    settings = Settings(backend="numpy", time_step=np.float32(0.5), longest=np.int64(3000))
+    relax(Scene(24, 1e-1), 1, settings=settings, progress=False).save(tmp_path / "p.npz")
+    assert Packing.load(tmp_path / "p.npz").info["settings"]["time_step"] == 0.5
+
+
 def test_store_that_is_a_file_is_refused_before_any_work(tmp_path):
     file = tmp_path / "store"
     file.write_text("")
