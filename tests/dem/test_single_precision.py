@@ -129,9 +129,9 @@ def test_numbers_of_numpy_do_not_widen_float32(monkeypatch):
     kernel, seen = sys.modules["dem.numpy_kernel"], set()
     real = kernel._pair_forces
 
-    def spy(motion, *args):
-        seen.add(motion.z.dtype)
-        return real(motion, *args)
+    def spy(motion, near, *args):
+        seen.add((motion.z[near.columns[0]] + near.shift * motion.scale).dtype)
+        return real(motion, near, *args)
 
     monkeypatch.setattr(kernel, "_pair_forces", spy)
     drive = Drive(np.float64(0.1), np.float64(1e-2))
