@@ -88,7 +88,7 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
     Raises ValueError when the cell is less than two interaction ranges wide: a grain could then
     meet another, or itself, through two images.
     """
-    pairs, images = _close_pairs(state, 2 * float(state.radii.max()) + skin)
+    pairs, images = _close_pairs(state, 2 * float(state.radii.max()), skin)
     i, j = pairs.T
     shift = np.zeros(len(pairs), complex)
     if state.cell is not None:
@@ -123,16 +123,19 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
     )
 
 
-def _close_pairs(state: State, cutoff: float) -> tuple[Ints, Ints]:
+def _close_pairs(state: State, largest: float, skin: float) -> tuple[Ints, Ints]:
+    cutoff = largest + skin
     if state.cell is None:
         pairs = cKDTree(state.positions).query_pairs(cutoff, output_type="ndarray")
         images = np.zeros((len(pairs), 2), np.int64)
     else:
         sides = np.diag(state.cell)
         if sides.min() < 2 * cutoff:
+            extent = "wide (along x)" if sides[0] <= sides[1] else "high (along y)"
             raise ValueError(
-                f"the cell is {sides.min():.4g} wide, less than twice the range {cutoff:.4g} of "
-                "its largest grains: take more grains, or an aspect nearer 1"
+                f"the cell is {sides.min():.4g} {extent}, less than twice the range {cutoff:.4g} "
+                f"of its largest grains (diameter {largest:.4g} and skin {skin:.4g}): take more "
+                "grains, an aspect nearer 1, or a narrower skin"
             )
         wrapped = np.mod(state.positions, sides)
         wrapped[wrapped >= sides] = 0.0  # mod may round up to the side itself

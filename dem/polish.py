@@ -133,7 +133,7 @@ def _increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Flo
 
 def _store(state: State, balance: Equilibrium, y: Floats, rest: Rest) -> None:
     near = balance.near
-    z = balance.centres(y)
+    z = state.positions.view(complex)[:, 0] * balance.stretch(y) + balance.displacement(y)
     state.positions = np.column_stack([z.real, z.imag])
     state.cell = np.diag(near.sides * balance.scale * balance.stretch(y))
     near.elongation[:] = rest.tangential / balance.law.tangential

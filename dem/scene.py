@@ -28,7 +28,9 @@ class Scene:
     grains : number of disks, at least 3.
     delta : Δ = p/κ in (0, 0.2].
     friction : Coulomb coefficient μ >= 0; 0 models neither history nor rotation.
-    polydispersity : radii uniform within ± this fraction of the mean, in [0, 1).
+    polydispersity : radii are drawn uniformly within ± this fraction of 1/2, in [0, 1), and then
+        rescaled to mean 1/2: the largest of few grains may exceed the fraction by as much as the
+        mean that was drawn fell short.
     stiffness_ratio : k_t/k_n > 0 of the tangential spring.
     aspect : width over height of the cell.
     contact : "linear", f_n = κ δ.

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 
 import dem.ensemble as ensemble
 from dem import NotRelaxed, Packing, Scene, Settings, packing_key, relax, relax_ensemble
+from dem.packing_file import write_record
 
 SETTINGS = Settings(backend="numpy")
 SCENES = [Scene(24, 1e-2), Scene(20, 1e-1), Scene(24, 1e-2)]
@@ -103,6 +105,30 @@ def test_cut_off_file_is_detected_and_computed_again(expected, tmp_path):
     assert counting.calls == [2]
     assert same(found, expected)
     Packing.load(victim)
+
+
+@pytest.mark.parametrize(("at", "value"), [(10, 99), (8, 1)])
+def test_damage_of_any_kind_does_not_stop_a_resume(expected, tmp_path, at, value):
+    """A compression nobody knows, an encryption: warned of by name, and computed again."""
+    relax_ensemble(SCENES[:1], SEEDS[:1], store=tmp_path, settings=SETTINGS, progress=False)
+    (victim,) = tmp_path.glob("*.npz")
+    data = bytearray(victim.read_bytes())
+    data[data.index(b"PK\x01\x02") + at] = value
+    victim.write_bytes(data)
+    with pytest.warns(UserWarning, match=rf"{victim.name} is cut off"):
+        found = relax_ensemble(
+            SCENES[:1], SEEDS[:1], store=tmp_path, settings=SETTINGS, progress=False
+        )
+    assert same(found, expected[:1])
+
+
+def test_stored_info_that_is_no_object_does_not_stop_a_resume(expected, tmp_path):
+    file = tmp_path / f"{packing_key(SCENES[0], 1, SETTINGS)}.npz"
+    arrays = {f.name: getattr(expected[0], f.name) for f in fields(Packing) if f.name != "info"}
+    write_record(file, {k: v for k, v in arrays.items() if v is not None}, [1])
+    with pytest.warns(UserWarning, match="its info is a list"):
+        found = relax_ensemble(SCENES[:1], [1], store=tmp_path, settings=SETTINGS, progress=False)
+    assert same(found, expected[:1])
 
 
 def test_one_failure_does_not_lose_the_others(tmp_path):

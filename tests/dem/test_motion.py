@@ -324,8 +324,12 @@ def test_contact_across_the_cell_face(backend):
 
 def test_narrow_cell_is_refused():
     state = State(np.array([[0.5, 0.5], [1.2, 0.5]]), np.full(2, 0.5), cell=np.diag([2.0, 5.0]))
-    with pytest.raises(ValueError, match=r"cell is 2 wide, less than twice"):
+    narrow = r"cell is 2 wide \(along x\), less than twice .*diameter 1 and skin 0\.3\)"
+    with pytest.raises(ValueError, match=narrow):
         step(state, ContactLaw(), 0.1)
+    flat = replace(state, positions=state.positions[:, ::-1], cell=np.diag([5.0, 2.0]))
+    with pytest.raises(ValueError, match=r"cell is 2 high \(along y\).* skin 0\.7\)"):
+        step(flat, ContactLaw(), 0.1, skin=0.7)
 
 
 @pytest.mark.parametrize(
