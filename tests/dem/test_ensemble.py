@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -149,7 +150,8 @@ def test_failure_in_another_process_loses_nothing_else(tmp_path):
     scenes = [Scene(24, 0.2), Scene(24, 1e-6), Scene(24, 0.2), Scene(20, 0.2)]
     hasty = Settings(backend="numpy", longest=1.0)  # 200 steps: enough at Δ = 0.2
     with (
-        ProcessPoolExecutor(1) as pool,
+        # Spawned: a fork inherits what other tests have taught pickle about exceptions.
+        ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool,
         pytest.raises(NotRelaxed, match=r"Δ = 1e-06, N = 24, seed 2") as caught,
     ):
         relax_ensemble(
