@@ -27,8 +27,7 @@ from unittest.mock import patch
 import numpy as np
 from matplotlib.figure import Figure
 
-from dem import Packing, Scene, Settings, relax, stiffen
-from dem.polish import PolishFailed
+from dem import NotRelaxed, Packing, PolishFailed, Scene, Settings, relax, stiffen
 from paper_figs.style import MARKERS, new_figure
 
 TABLE = np.dtype([
@@ -67,7 +66,7 @@ def measure(task: tuple[str, float, int, int]) -> tuple[Any, ...]:
     start = time.process_time()
     try:
         p = make(Scene(grains, delta), seed, progress=False)
-    except PolishFailed:
+    except (NotRelaxed, PolishFailed):
         return (how, delta, seed, -1, time.process_time() - start, *[np.nan] * 4)
     spent = time.process_time() - start
     spread = p.normal_forces.std() / p.normal_forces.mean()

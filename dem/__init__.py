@@ -10,6 +10,7 @@ from dem.ensemble import packing_key, relax_ensemble
 from dem.integrator import step
 from dem.law import ContactLaw, Drive
 from dem.packing import Packing
+from dem.polish import PolishFailed
 from dem.ramp import ramp
 from dem.relax import NotRelaxed, relax
 from dem.scene import Scene
@@ -23,6 +24,7 @@ __all__ = [
     "History",
     "NotRelaxed",
     "Packing",
+    "PolishFailed",
     "Scene",
     "Settings",
     "State",

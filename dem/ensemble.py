@@ -26,7 +26,7 @@ from dem.scene import Scene, seed_number
 from dem.settings import Settings
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
-ALGORITHM = 4
+ALGORITHM = 5
 #: The same for packings with Δ < 1e-6, which are continued from 1e-6.
 CONTINUATION = 1
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from importlib import import_module
 from importlib.util import find_spec
-from math import isfinite
 from types import ModuleType
 
 import numpy as np
@@ -19,6 +18,7 @@ import numpy as np
 from dem.law import ContactLaw, Drive
 from dem.neighbours import Neighbours, find_neighbours
 from dem.numpy_kernel import Motion, kick
+from dem.scene import positive_number, whole_number
 from dem.state import State
 
 BACKENDS = ("auto", "numpy", "numba")
@@ -57,6 +57,8 @@ def step(
 
     Positions, velocities and spins are those of one and the same time.  ``skin`` (default: 0.3
     mean diameters) sets how far a neighbour list looks; it changes the cost, not the result.
+    Without a target pressure the cell is fixed: ``state.strain_rate`` is then left as it is and
+    acts on nothing, dashpots included.  With μ = 0 the history of the state is forgotten.
     ``precision``: of positions, velocities and forces while they move; ``state`` holds float64.
     In float32 overlaps are good to 6e-8 ⟨σ⟩ only.
 
@@ -64,26 +66,27 @@ def step(
     ------
     ValueError : dt or skin not positive, steps < 1, pressure control without a cell, a cell too
         narrow for its grains, two grains at one place, an unknown backend or precision.
-    FloatingPointError : positions or cell are no longer finite: the time step was too long.
+    FloatingPointError : positions, velocities or cell are no longer finite: the time step was too
+        long.
     """
-    if not (isfinite(dt) and dt > 0):
-        raise ValueError(f"dt = {dt} is not a finite number > 0")
+    dt, steps = positive_number("dt", dt), whole_number("steps", steps)
     if steps < 1:
         raise ValueError(f"steps = {steps}: at least one")
     if drive.pressure is not None and state.cell is None:
         raise ValueError(f"pressure = {drive.pressure} asks for a cell, and the state has none")
-    dt, single = float(dt), check_precision(precision) == "float32"
+    single = check_precision(precision) == "float32"
+    controlled = drive.pressure is not None
     kernel = _kernel(resolve_backend(backend))
-    width = 0.3 * 2 * float(state.radii.mean()) if skin is None else skin
-    if not (isfinite(width) and width > 0):
-        raise ValueError(f"skin = {width} is not a finite number > 0")
+    width = positive_number("skin", 0.3 * 2 * state.radii.mean() if skin is None else skin)
     near = state._near
     if not isinstance(near, Neighbours) or near.skin != width:
         near = find_neighbours(state, width)
-    motion, listed = _motion(state, near, single)
+    if law.friction == 0:
+        near.elongation[:] = 0.0
+    motion, listed = _motion(state, near, single, controlled)
     rotates = law.friction > 0
     forces = state._forces
-    if forces is None or state._law != law or forces.pull.dtype != motion.z.dtype:
+    if forces is None or state._law != (law, controlled) or forces.pull.dtype != motion.z.dtype:
         forces = kernel.contact_forces(motion, listed, law, 0.0)
     kick(motion, forces, drive, 0.5 * dt, 0.0, rotates)
     drifted = False
@@ -93,11 +96,11 @@ def step(
         )
         steps -= done
         if drifted:
-            _write_back(state, motion, near, listed)
+            _write_back(state, motion, near, listed, controlled)
             near = find_neighbours(state, width)
-            motion, listed = _motion(state, near, single)
-    _write_back(state, motion, near, listed)
-    state._near, state._forces, state._law = near, forces, law
+            motion, listed = _motion(state, near, single, controlled)
+    _write_back(state, motion, near, listed, controlled)
+    state._near, state._forces, state._law = near, forces, (law, controlled)
     return state
 
 
@@ -105,7 +108,9 @@ def _kernel(backend: str) -> ModuleType:
     return import_module(f"dem.{backend}_kernel")
 
 
-def _motion(state: State, near: Neighbours, single: bool) -> tuple[Motion, Neighbours]:
+def _motion(
+    state: State, near: Neighbours, single: bool, controlled: bool
+) -> tuple[Motion, Neighbours]:
     """The state and the list as the kernels see them, positions and velocities shared, not
     copied; in float32 copies, the positions as displacements since the list was made."""
     mass = state.masses
@@ -114,10 +119,10 @@ def _motion(state: State, near: Neighbours, single: bool) -> tuple[Motion, Neigh
         v=state.velocities.view(complex)[:, 0],
         s=state.radii * state.spins,
         mass=mass,
-        total=float(mass.sum()),
+        total=float(mass.sum()) * (2 * float(state.radii.mean())) ** 2,
         area=float(np.prod(near.sides)),
         scale=near.scale(state),
-        rate=float(state.strain_rate),
+        rate=float(state.strain_rate) if controlled else 0.0,
     )
     if not single:
         return motion, near
@@ -127,24 +132,25 @@ def _motion(state: State, near: Neighbours, single: bool) -> tuple[Motion, Neigh
     return motion, near.single()
 
 
-def _write_back(state: State, motion: Motion, near: Neighbours, listed: Neighbours) -> None:
+def _write_back(
+    state: State, motion: Motion, near: Neighbours, listed: Neighbours, controlled: bool
+) -> None:
     if not (np.isfinite(motion.scale) and motion.scale > 0):
         raise FloatingPointError(
             f"the cell scaled by {motion.scale:.3g}: the time step is too long"
         )
-    if not np.all(np.isfinite(motion.z)):
-        grain = int(np.flatnonzero(~np.isfinite(motion.z))[0])
-        raise FloatingPointError(f"grain {grain} left the plane: the time step is too long")
+    for name, there in (("left the plane", motion.z), ("has no finite velocity", motion.v)):
+        if not np.all(np.isfinite(there)):
+            grain = int(np.flatnonzero(~np.isfinite(there))[0])
+            raise FloatingPointError(f"grain {grain} {name}: the time step is too long")
+    if not (np.all(np.isfinite(motion.s)) and np.all(np.isfinite(listed.elongation))):
+        raise FloatingPointError("a grain spins without bounds: the time step is too long")
     if listed is not near:
         state.positions.view(complex)[:, 0] = near.origin * motion.scale + motion.z
         state.velocities.view(complex)[:, 0] = motion.v
         near.elongation[:] = listed.elongation
     state.spins = motion.s / state.radii
-    state.strain_rate = motion.rate
-    if state.cell is not None:
-        if not 0 < motion.scale < np.inf:
-            raise FloatingPointError(
-                f"the cell has shrunk to {motion.scale:.3g} of itself: the time step is too long"
-            )
+    if controlled:
+        state.strain_rate = motion.rate
         state.cell = np.diag(near.sides * motion.scale)
     state.history = near.history()

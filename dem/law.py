@@ -13,7 +13,9 @@ Géotechnique 29, 47 (1979), for springs and slider).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import sqrt
+
+from dem.scene import number_from_zero, positive_number
 
 
 @dataclass(frozen=True)
@@ -30,16 +32,11 @@ class ContactLaw:
     dashpot: float = 0.0
 
     def __post_init__(self) -> None:
+        # Python's floats: a NumPy scalar would widen float32.
         for name in ("stiffness", "stiffness_ratio"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise ValueError(f"{name} = {value} is not a finite number > 0")
-            object.__setattr__(self, name, float(value))  # a NumPy scalar would widen float32
+            object.__setattr__(self, name, positive_number(name, getattr(self, name)))
         for name in ("friction", "dashpot"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value >= 0):
-                raise ValueError(f"{name} = {value} is not a finite number >= 0")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, number_from_zero(name, getattr(self, name)))
 
     @property
     def tangential(self) -> float:
@@ -49,16 +46,19 @@ class ContactLaw:
 
 @dataclass(frozen=True)
 class Drive:
-    """Drag rate γ (1/time) and target pressure p (None: the cell is fixed)."""
+    """Drag rate γ (1/time) and target pressure p.
+
+    None: the cell is fixed, whatever the strain rate of the state, which rests until a pressure
+    moves the cell again.
+    """
 
     drag: float = 0.0
     pressure: float | None = None
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.drag) and self.drag >= 0):
-            raise ValueError(f"drag = {self.drag} is not a finite number >= 0")
-        if self.pressure is not None and not (isfinite(self.pressure) and self.pressure > 0):
-            raise ValueError(f"pressure = {self.pressure} is not a finite number > 0")
+        object.__setattr__(self, "drag", number_from_zero("drag", self.drag))
+        if self.pressure is not None:
+            object.__setattr__(self, "pressure", positive_number("pressure", self.pressure))
 
 
 def stable_time_step(law: ContactLaw, smallest_mass: float, fraction: float) -> float:

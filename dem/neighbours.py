@@ -3,7 +3,10 @@
 A pair enters when r < σ + skin.  With u = x - λ x⁰ the displacement since the list was made
 (λ the scale of the cell since then), no absent pair can touch while
 
-    2 max|u| < λ skin - (1 - λ) σ_max                                   (half a skin, λ = 1).
+    2 max|u| < λ skin - (1 - λ) σ                                       (half a skin, λ = 1)
+
+for the σ that makes this smallest: σ_max in a cell that has shrunk, σ_min in one that has grown,
+where small grains are carried apart by less beyond their contact than large ones.
 """
 
 from __future__ import annotations
@@ -38,11 +41,13 @@ class Neighbours:
     origin: np.ndarray
     sides: Floats
     skin: float
+    smallest: float
     largest: float
 
     def reach(self, scale: float) -> float:
         """The displacement max|u| up to which the list stays complete."""
-        return 0.5 * (scale * self.skin - (1 - scale) * self.largest)
+        worst = self.largest if scale < 1 else self.smallest
+        return 0.5 * (scale * self.skin - (1 - scale) * worst)
 
     def scale(self, state: State) -> float:
         """Size of the cell in units of what it was at the build."""
@@ -83,7 +88,7 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
     Raises ValueError when the cell is less than two interaction ranges wide: a grain could then
     meet another, or itself, through two images.
     """
-    pairs, images = _close_pairs(state, 2 * float(state.radii.max()) + skin)
+    pairs, images = _close_pairs(state, 2 * float(state.radii.max()), skin)
     i, j = pairs.T
     shift = np.zeros(len(pairs), complex)
     if state.cell is not None:
@@ -113,20 +118,24 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
         origin=position.copy(),
         sides=np.zeros(2) if state.cell is None else np.diag(state.cell).copy(),
         skin=skin,
+        smallest=2 * float(state.radii.min()),
         largest=2 * float(state.radii.max()),
     )
 
 
-def _close_pairs(state: State, cutoff: float) -> tuple[Ints, Ints]:
+def _close_pairs(state: State, largest: float, skin: float) -> tuple[Ints, Ints]:
+    cutoff = largest + skin
     if state.cell is None:
         pairs = cKDTree(state.positions).query_pairs(cutoff, output_type="ndarray")
         images = np.zeros((len(pairs), 2), np.int64)
     else:
         sides = np.diag(state.cell)
         if sides.min() < 2 * cutoff:
+            extent = "wide (along x)" if sides[0] <= sides[1] else "high (along y)"
             raise ValueError(
-                f"the cell is {sides.min():.4g} wide, less than twice the range {cutoff:.4g} of "
-                "its largest grains: take more grains, or an aspect nearer 1"
+                f"the cell is {sides.min():.4g} {extent}, less than twice the range {cutoff:.4g} "
+                f"of its largest grains (diameter {largest:.4g} and skin {skin:.4g}): take more "
+                "grains, an aspect nearer 1, or a narrower skin"
             )
         wrapped = np.mod(state.positions, sides)
         wrapped[wrapped >= sides] = 0.0  # mod may round up to the side itself

@@ -58,7 +58,8 @@ def _forces(z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, dt,
 
 @njit(cache=True, error_model="numpy")
 def _advance(  # type: ignore[no-untyped-def]
-    z, v, s, mass, total, area, scale, rate, i, j, shift, sigma, u, origin, skin, largest,
+    z, v, s, mass, total, area, scale, rate,
+    i, j, shift, sigma, u, origin, skin, smallest, largest,
     k, kt, mu, dashpot, drag, pressure, controlled, dt, steps, drifted, pull, twist, virial,
 ):  # fmt: skip
     real = s.dtype.type
@@ -68,7 +69,8 @@ def _advance(  # type: ignore[no-untyped-def]
             stretch = 1 + rate * dt if controlled else 1.0
             scale *= stretch
             grow, size = real(stretch), real(scale)
-            reach = 0.5 * (scale * skin - (1 - scale) * largest)
+            worst = largest if scale < 1 else smallest
+            reach = 0.5 * (scale * skin - (1 - scale) * worst)
             far = real(0.0)
             for g in range(len(z)):
                 z[g] = z[g] * grow + v[g] * tick
@@ -126,7 +128,8 @@ def advance(
     controlled = drive.pressure is not None
     done, drifted, m.scale, m.rate, virial = _advance(
         m.z, m.v, m.s, m.mass, m.total, m.area, m.scale, m.rate,
-        i, j, near.shift, near.sigma, near.elongation, near.origin, near.skin, near.largest,
+        i, j, near.shift, near.sigma, near.elongation,
+        near.origin, near.skin, near.smallest, near.largest,
         *_constants(m, law), drive.drag, drive.pressure or 0.0, controlled,
         dt, steps, drifted, forces.pull, forces.twist, forces.virial,
     )  # fmt: skip

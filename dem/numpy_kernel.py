@@ -36,7 +36,10 @@ class Forces:
 
 @dataclass
 class Motion:
-    """Views of a state as the kernels see it: z, v complex; s = R ω; cell scale and its rate."""
+    """Views of a state as the kernels see it: z, v complex; s = R ω; cell scale and its rate.
+
+    ``total`` is the inertia W = Σ m ⟨σ⟩² of the cell; ``rate`` is 0 in a fixed cell.
+    """
 
     z: np.ndarray
     v: np.ndarray

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from dem.packing_file import read_record, write_record
-from dem.soundness import check_contacts, check_forces
+from dem.scene import number_from_zero, positive_number
+from dem.soundness import check_contacts, check_forces, check_low_parts
 from dem.state import Floats, Ints
 from doubledouble import DoubleDouble, hypot
 
@@ -32,7 +33,8 @@ class Packing:
     Lengths in ⟨σ⟩, forces in κ⟨σ⟩ when made by ``relax``.
 
     ``positions_low``, ``radii_low``, ``cell_low``: None, or what the doubles leave out (value =
-    high + low); with them ``overlaps`` are good to 16 digits at any Δ.
+    high + low, |low| no more than an ulp of high); with them ``overlaps`` are good to 16 digits
+    at any Δ.
 
     Raises
     ------
@@ -88,22 +90,24 @@ class Packing:
                 array = array.astype(np.int64)
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+        check_low_parts(self)
         if bad := np.flatnonzero(self.radii <= 0).tolist():
             raise ValueError(f"grain {bad[0]} has radius {self.radii[bad[0]]}, not positive")
         if self.cell is not None and abs(np.linalg.det(self.cell)) < 1e-12 * np.sum(self.cell**2):
             raise ValueError(f"cell {self.cell.tolist()} is singular")
         for name in ("stiffness", "pressure"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
-                raise ValueError(f"{name} = {getattr(self, name)} is not a finite number > 0")
-        if not (np.isfinite(self.friction) and self.friction >= 0):
-            raise ValueError(f"friction = {self.friction} is not a finite number >= 0")
+            object.__setattr__(self, name, positive_number(name, getattr(self, name)))
+        object.__setattr__(self, "friction", number_from_zero("friction", self.friction))
+        if not isinstance(self.info, dict):
+            raise ValueError(f"info = {self.info!r} is no dictionary")
         check_contacts(self)
         check_forces(self)
 
     @property
     def width(self) -> float:
-        """Length of the longest lattice vector."""
-        assert self.cell is not None
+        """Length of the longest lattice vector; ValueError for an open packing."""
+        if self.cell is None:
+            raise ValueError("an open packing has no cell to be wide")
         return float(np.linalg.norm(self.cell, axis=1).max())
 
     @property
@@ -185,5 +189,5 @@ class Packing:
         arrays: dict[str, Any] = {"cell": None} | record
         try:
             return cls(**arrays, info=info)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, IndexError, OverflowError) as error:
             raise ValueError(f"{path} is not a packing: {error}") from error

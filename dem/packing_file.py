@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
-import zlib
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,8 @@ _NUMBERS = ("stiffness", "pressure", "friction")
 def write_record(target: Path, arrays: dict[str, Any], info: dict[str, Any]) -> None:
     """Write ``arrays`` and ``info`` to ``target``; its folder is made if need be."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    # Two machines that share a folder may share a process number.
+    part = target.with_name(f".{target.name}.{os.getpid()}.{token_hex(4)}.part")
     try:
         _write(part, arrays, info)
         part.replace(target)
@@ -48,8 +48,10 @@ def read_record(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
             record = {name: stored[name] for name in stored.files}
     except FileNotFoundError:
         raise
-    except (zipfile.BadZipFile, zlib.error, EOFError, ValueError, OSError, TypeError) as error:
-        raise ValueError(f"{path} is cut off, or not a packing: {error}") from error
+    except Exception as error:  # damaged bytes make zipfile and NumPy raise nearly anything
+        raise ValueError(
+            f"{path} is cut off, or not a packing: {error or type(error).__name__}"
+        ) from error
     if "format" not in record:
         raise ValueError(f"{path} is an npz, but not of a packing: it has no format number")
     if (number := record.pop("format").tolist()) not in (FORMAT, FORMAT_WITH_LOW):
@@ -61,6 +63,8 @@ def read_record(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     try:
         info = json.loads(str(record.pop("info")))
         numbers = {name: float(record[name]) for name in _NUMBERS}
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, RecursionError) as error:
         raise ValueError(f"{path} is not a whole packing: {error}") from error
+    if not isinstance(info, dict):
+        raise ValueError(f"{path} is not a whole packing: its info is a {type(info).__name__}")
     return record | numbers, info

@@ -9,6 +9,8 @@ round-off, and f_n - κ overlap is a few κ ε L however soft the packing.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from dem.law import ContactLaw
@@ -35,16 +37,18 @@ class PolishFailed(ArithmeticError):
     """Newton did not converge: the packing was not near enough to rest."""
 
 
-def polish(state: State, near: Neighbours, law: ContactLaw, pressure: float) -> Rest:
+def polish(
+    state: State, near: Neighbours, law: ContactLaw, pressure: float, tolerance: float = 1e-9
+) -> Rest:
     """Bring ``state`` (changed in place: positions, cell, history) to equilibrium.
 
-    Raises PolishFailed when the tangent is singular or the residual stops falling well above
-    round-off; the state is then as it was.
+    Raises PolishFailed when the tangent is singular or the residual stops falling above
+    ``tolerance`` (in p) and round-off; the state is then as it was.
     """
     balance = Equilibrium(state, near, law, pressure)
     # A sum of forces κ δ, δ the difference of lengths of order 1, is good to ~ κ ε.
     floor = 10 * law.stiffness * np.finfo(float).eps
-    kept, iterations = newton(balance, floor, max(1e-9 * pressure, 100 * floor))
+    kept, iterations = newton(balance, floor, max(tolerance * pressure, 100 * floor))
     rest, y = _carry(balance, kept, pressure, iterations)
     _store(state, balance, y, rest)
     return rest
@@ -69,7 +73,7 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
         patience = PATIENCE if best > good else PATIENCE_AT_ROUND_OFF
         if worst <= floor or stalled > patience:
             break
-        move = balance.factorise(trial, max(PIN, SHIFT * worst / pressure))(residual)
+        move = _newton_step(balance, trial, max(PIN, SHIFT * worst / pressure))(residual)
         if not np.abs(move).max() < LONGEST_MOVE:  # also when it is NaN
             raise PolishFailed(f"a Newton step of {np.abs(move).max():.3g} ⟨σ⟩")
         y = y + move
@@ -78,6 +82,13 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
     if best > good:
         raise PolishFailed(f"the residual stays at {best / pressure:.3g} p")
     return kept, iterations
+
+
+def _newton_step(balance: Equilibrium, trial: Trial, shift: float) -> Callable[[Floats], Floats]:
+    try:
+        return balance.factorise(trial, shift)
+    except RuntimeError as singular:  # how SuperLU puts a pivot of exactly zero
+        raise PolishFailed(f"the tangent is singular ({singular})") from singular
 
 
 def _carry(
@@ -107,7 +118,7 @@ def _increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Flo
     on_normal, on_slip, slides = balance.response(trial)
     normal, tangential = trial.normal, trial.tangential
     residual = trial.residual(normal, tangential)
-    newton_step, moves = balance.factorise(trial), trial.y
+    newton_step, moves = _newton_step(balance, trial, PIN), trial.y
     for _ in range(REFINEMENTS):
         y = newton_step(residual)
         stretched, slipped = trial.m_n.T @ y, -(trial.m_t.T @ y)
@@ -122,7 +133,7 @@ def _increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Flo
 
 def _store(state: State, balance: Equilibrium, y: Floats, rest: Rest) -> None:
     near = balance.near
-    z = balance.centres(y)
+    z = state.positions.view(complex)[:, 0] * balance.stretch(y) + balance.displacement(y)
     state.positions = np.column_stack([z.real, z.imag])
     state.cell = np.diag(near.sides * balance.scale * balance.stretch(y))
     near.elongation[:] = rest.tangential / balance.law.tangential

@@ -87,10 +87,6 @@ class PreciseEquilibrium(Equilibrium):
         super().__init__(place.state(), near, law, pressure)
         self.place = place
 
-    def displacement(self, y: Floats) -> np.ndarray:
-        """The moves of the centres, complex ``(N,)``."""
-        return y[: self.count] + 1j * y[self.count : 2 * self.count]
-
     def after(self, y: Floats) -> Place:
         """The place after the moves ``y``."""
         return self.place.moved(self.displacement(y), float(y[-1] / self.span))

@@ -5,7 +5,7 @@ Quiet unless standard error is a terminal.
 
 from __future__ import annotations
 
-from math import log10
+from math import isfinite, log10
 from types import TracebackType
 
 from tqdm import tqdm
@@ -35,7 +35,10 @@ class RestBar:
         """Report the speed (in √(p/ρ)) reached after ``step`` steps."""
         if self._bar.disable:
             return
-        decades = log10(_FASTEST / speed) if speed > 0 else self._bar.total
+        if isfinite(speed):
+            decades = log10(_FASTEST / speed) if speed > 0 else self._bar.total
+        else:  # before the first look
+            decades = 0.0
         self._bar.n = min(max(self._bar.n, round(decades, 2)), self._bar.total)
         text = f"step {step} of at most {self._limit}, ⟨v⟩ {speed:.1e} → {self._target:.0e}"
         self._bar.set_postfix_str(text, refresh=False)

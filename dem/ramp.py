@@ -5,8 +5,9 @@ Grains, contacts and tangential springs are those of the packing before.  In eac
     sweep   p moves from p_k to p_{k+1} at a constant rate d ln p/dt = ± RATE √(p/ρ)/⟨σ⟩
     rest    at p_{k+1} grains come to rest and are polished, as at the end of ``relax``.
 
-κ stays 1, so that Δ = p.  This is physical loading and unloading: contacts slide, open and close,
-and with friction what comes back is not what was (unlike ``stiffen``, which keeps f/p).
+κ stays 1, so that Δ = p; other units of length than ⟨σ⟩ are changed on entry and back.  This is
+physical loading and unloading: contacts slide, open and close, and with friction what comes back
+is not what was (unlike ``stiffen``, which keeps f/p).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from dem.integrator import step
 from dem.law import ContactLaw, Drive, stable_time_step
 from dem.packing import Packing
 from dem.relax import CONTINUED_BELOW, NotRelaxed, check_noise, come_to_rest
+from dem.resume import check_resumable, mean_diameter, origin, recorded_ratio, rescaled
 from dem.scene import LARGEST_DELTA, Scene, real_number
 from dem.settings import Settings
 from dem.state import History, State
@@ -36,39 +38,49 @@ def ramp(
     packing: Packing,
     deltas: Iterable[float],
     *,
+    stiffness_ratio: float | None = None,
     settings: Settings = Settings(),  # noqa: B008  (frozen)
     progress: bool | None = None,
 ) -> list[Packing]:
     """Packings at each of ``deltas`` (Δ = p, from 1e-6 to 0.2), each made from the one before.
 
-    The first is made from ``packing``.  Stages far apart are swept, not jumped; ask for those in
-    between to keep them.  ``info["ramp"]`` says from which Δ a packing came; steps and inertial
-    times are those of the rest after the sweep.
+    The first is made from ``packing``, itself at a Δ in that range, with its friction, in its unit
+    of length.  ``stiffness_ratio``: k_t/κ, where the packing does not record it.  Stages far apart
+    are swept, not jumped; ask for those in between to keep them.  ``info["ramp"]`` says from which
+    Δ a packing came; steps and inertial times are those of the rest after the sweep.
 
     Raises
     ------
-    ValueError : a Δ out of range, an open packing, one with external loads or κ other than 1;
-        float32 with Δ < 1e-4.
+    ValueError : a Δ out of range, an open packing, one with external loads, in a cell that is no
+        rectangle, or with κ other than 1; one with friction whose k_t/κ is neither recorded nor
+        given; a cell too narrow for its grains; float32 with Δ < 1e-4.
     NotRelaxed : a stage did not come to rest; its note says which.
     """
-    path = [_checked(delta, settings) for delta in deltas]
+    if not isinstance(deltas, Iterable):
+        raise ValueError(f"deltas = {deltas!r} is no series of Δ: write [{deltas!r}]")
+    path = [_checked("delta", delta, settings) for delta in deltas]
     _check(packing)
+    _checked("delta of the packing", packing.delta, settings)
+    ratio = recorded_ratio(packing, stiffness_ratio)
+    size = mean_diameter(packing)
+    if size != 1:
+        packing = rescaled(_rounded(packing), 1 / size)
     made: list[Packing] = []
     for k, delta in enumerate(path):
         before = made[-1] if made else packing
         try:
-            made.append(_stage(before, delta, settings, progress))
+            made.append(_stage(before, delta, ratio, settings, progress))
         except NotRelaxed as failure:
             failure.add_note(f"in stage {k} of the ramp, from Δ = {before.delta:g} to {delta:g}")
             raise
-    return made
+    return [rescaled(p, size) for p in made]
 
 
-def _checked(delta: Any, settings: Settings) -> float:
-    delta = real_number("delta", delta)
+def _checked(name: str, delta: Any, settings: Settings) -> float:
+    delta = real_number(name, delta)
     if not CONTINUED_BELOW <= delta <= LARGEST_DELTA:
         raise ValueError(
-            f"delta = {delta:g} is outside [{CONTINUED_BELOW:g}, {LARGEST_DELTA}]: below, time "
+            f"{name} = {delta:g} is outside [{CONTINUED_BELOW:g}, {LARGEST_DELTA}]: below, time "
             "integration stalls (stiffen continues a packing, but not as unloading does)"
         )
     check_noise(delta, settings)
@@ -76,30 +88,31 @@ def _checked(delta: Any, settings: Settings) -> float:
 
 
 def _check(packing: Packing) -> None:
-    if packing.cell is None:
-        raise ValueError("a ramp is for periodic packings; this one has no cell")
+    check_resumable(packing, "a ramp")
     if packing.stiffness != 1:
         raise ValueError(f"stiffness = {packing.stiffness:g}: a ramp is run in units κ = 1")
-    if loaded := np.flatnonzero(packing.external.any(axis=1)).tolist():
-        raise ValueError(f"grain {loaded[0]} bears an external load; a ramp has none")
 
 
-def _stage(packing: Packing, delta: float, settings: Settings, progress: bool | None) -> Packing:
-    scene = _scene(packing, delta)
+def _rounded(packing: Packing) -> Packing:
+    """Without low parts: grains move in doubles."""
+    return replace(packing, positions_low=None, radii_low=None, cell_low=None)
+
+
+def _stage(
+    packing: Packing, delta: float, ratio: float, settings: Settings, progress: bool | None
+) -> Packing:
+    scene = Scene(
+        len(packing.radii), delta, friction=packing.friction, stiffness_ratio=ratio
+    )  # what acts from here on; what the grains were drawn from stays on record
     state = _state(packing, scene)
     try:
         _sweep(state, packing.delta, scene, settings)
     except FloatingPointError as burst:
         raise NotRelaxed(f"Δ = {delta:g}: {burst}", state, np.inf, np.inf) from burst
-    new = come_to_rest(state, scene, packing.info.get("seed", 0), settings, progress)
-    new.info["ramp"] = {"from": packing.delta}
+    new = come_to_rest(state, scene, packing.info.get("seed"), settings, progress)
+    del new.info["scene"]
+    new.info.update(origin(packing, delta, ratio), ramp={"from": packing.delta})
     return new
-
-
-def _scene(packing: Packing, delta: float) -> Scene:
-    if "scene" in packing.info:
-        return replace(Scene(**packing.info["scene"]), delta=delta)
-    return Scene(len(packing.radii), delta, friction=packing.friction)
 
 
 def _state(packing: Packing, scene: Scene) -> State:

@@ -13,12 +13,14 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
+from dem.audit import NotRight, refuse_missed_contacts
 from dem.integrator import resolve_backend, step
 from dem.law import ContactLaw, Drive, stable_time_step
-from dem.neighbours import Neighbours, find_neighbours
+from dem.neighbours import Neighbours
 from dem.packing import Packing
 from dem.polish import PolishFailed, polish
 from dem.progress import RestBar
@@ -26,7 +28,7 @@ from dem.rest import Rest, rest_as_is
 from dem.scene import Scene, seed_number
 from dem.settings import Settings
 from dem.start import loose_state
-from dem.state import State
+from dem.state import History, State
 from dem.stiffen import stiffen
 
 #: Below this Δ packings come by continuation, in extended precision.
@@ -48,16 +50,16 @@ RETRY = 10.0
 TAIL_DRAG = 0.5
 
 
-class _NotRight(ArithmeticError):
-    """At rest, but no packing of the scene."""
-
-
 class NotRelaxed(RuntimeError):
     """The packing did not come to rest; carries the ``state`` reached, ``speed``, ``residual``."""
 
     def __init__(self, message: str, state: State, speed: float, residual: float) -> None:
         super().__init__(message)
         self.state, self.speed, self.residual = state, speed, residual
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What a worker process sends home: the message, the numbers, the notes."""
+        return type(self), (str(self), self.state, self.speed, self.residual), self.__dict__
 
 
 def relax(
@@ -77,24 +79,27 @@ def relax(
     ------
     ValueError : a scene whose cell is too narrow for its grains; a seed that is no whole
         number >= 0; float32 with Δ < 1e-4.
-    NotRelaxed : rest was not reached within ``settings.longest`` inertial times.
-    PolishFailed : continuation to Δ < 1e-6 stopped on the way, from each start.
+    NotRelaxed : rest was not reached within ``settings.longest`` inertial times; continuation
+        to Δ < 1e-6 stopped on the way, from each start.
     """
     seed = seed_number(seed)
     check_noise(scene.delta, settings)
     if not settings.polish or scene.delta >= CONTINUED_BELOW:
         return _integrate(scene, seed, settings, progress)
-    starts = [d for d in CONTINUED_FROM if d > scene.delta]
-    for k, delta in enumerate(starts):
+    for delta in (d for d in CONTINUED_FROM if d > scene.delta):
         softer = replace(scene, delta=delta)
         packing = _integrate(softer, seed, settings, progress)
         packing.info["scene"] = asdict(scene)
         try:
             return stiffen(packing, scene.delta)
-        except PolishFailed:
-            if k == len(starts) - 1:
-                raise
-    raise AssertionError("Δ < 1e-6 has a start above it")
+        except PolishFailed as failure:
+            why, reached = failure, packing
+    springs = reached.tangential_forces / scene.stiffness_ratio
+    history = History(reached.pairs, reached.images, springs)
+    state = State(reached.positions, reached.radii, cell=reached.cell, history=history)
+    raise NotRelaxed(
+        f"{_where(scene, seed)}{why}", state, reached.info["speed"], reached.info["residual"]
+    ) from why
 
 
 def check_noise(delta: float, settings: Settings) -> None:
@@ -112,9 +117,12 @@ def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | Non
 
 
 def come_to_rest(
-    state: State, scene: Scene, seed: int, settings: Settings, progress: bool | None
+    state: State, scene: Scene, seed: int | None, settings: Settings, progress: bool | None
 ) -> Packing:
-    """The packing that ``state`` (changed in place) becomes under the pressure of ``scene``."""
+    """The packing that ``state`` (changed in place) becomes under the pressure of ``scene``.
+
+    ``seed``: for the record; None if there was none.
+    """
     inertial = 1 / sqrt(scene.pressure)
     mass = float(np.pi * np.mean(state.radii) ** 2)
     law = ContactLaw(
@@ -152,7 +160,7 @@ def come_to_rest(
                 again = steps + int(RETRY * inertial / dt)
                 drive = Drive(TAIL_DRAG * settings.drag / inertial, scene.pressure)
                 continue
-            except _NotRight as wrong:
+            except NotRight as wrong:
                 raise NotRelaxed(_where(scene, seed) + str(wrong), state, speed, np.nan) from wrong
             if not settings.polish and (residual := _residual(state) / scene.pressure) > RESTED:
                 raise NotRelaxed(
@@ -167,19 +175,25 @@ def come_to_rest(
     if state._forces is None:  # a polish that was not good enough moved the grains
         step(state, law, dt, drive=drive, skin=settings.skin, backend=settings.backend)
     residual = _residual(state) / scene.pressure
+    double = ""
+    if settings.precision == "float32":
+        double = (
+            "; precision = 'float64' rests where the noise of float32 does not let grains rest"
+        )
     raise NotRelaxed(
         f"{_where(scene, seed)}mean speed {speed:.2e} √(p/ρ) "
         f"after {steps} steps, wanted {settings.speed:.0e}; largest force or torque residual "
         f"{residual:.2e} p{why}. Allow more time (longest = {settings.longest:g}), a drag nearer "
-        f"1 (now {settings.drag:g}), or no dashpot (now {settings.dashpot:g})",
+        f"1 (now {settings.drag:g}), or no dashpot (now {settings.dashpot:g}){double}",
         state,
         speed,
         residual,
     )
 
 
-def _where(scene: Scene, seed: int) -> str:
-    return f"Δ = {scene.delta:g}, N = {scene.grains}, seed {seed}: "
+def _where(scene: Scene, seed: int | None) -> str:
+    drawn = "" if seed is None else f", seed {seed}"
+    return f"Δ = {scene.delta:g}, N = {scene.grains}{drawn}: "
 
 
 def _speed(state: State) -> float:
@@ -207,37 +221,17 @@ def _settle(
     assert isinstance(near, Neighbours)
     if not settings.polish:
         rest = rest_as_is(state, near, law)
-        _refuse_missed_contacts(state, near)
+        refuse_missed_contacts(state, near)
         return near, rest
-    rest = polish(state, near, law, scene.pressure)
+    rest = polish(state, near, law, scene.pressure, settings.residual_tolerance)
     if rest.residual > settings.residual_tolerance:
         raise PolishFailed(f"residual {rest.residual:.2e} p")
-    _refuse_missed_contacts(state, near)
+    refuse_missed_contacts(state, near)
     return near, rest
 
 
-def _refuse_missed_contacts(state: State, near: Neighbours) -> None:
-    """Every overlapping pair of the final positions, found anew, must be on the list used, and
-    no grain may hold the centre of another: it has tunnelled."""
-    fresh = find_neighbours(replace(state), 1e-3)
-    r = np.abs(fresh.branches(state))
-    known = {tuple(k) for k in np.hstack([near.pairs, near.images]).tolist()}
-    for e in np.flatnonzero(r < fresh.sigma):
-        i, j = fresh.pairs[e]
-        if (i, j, *fresh.images[e]) not in known:
-            raise _NotRight(
-                f"grains {i} and {j} overlap by {fresh.sigma[e] - r[e]:.3g} and were not on the "
-                "neighbour list: take a wider skin or a shorter time step"
-            )
-        if r[e] < max(state.radii[i], state.radii[j]):
-            raise _NotRight(
-                f"grain {i} holds the centre of grain {j}: shorten the "
-                "time step or, if they are very unequal, lower Δ"
-            )
-
-
 def _packing(
-    scene: Scene, seed: int, settings: Settings, state: State, near: Neighbours, rest: Rest
+    scene: Scene, seed: int | None, settings: Settings, state: State, near: Neighbours, rest: Rest
 ) -> Packing:
     bearing = rest.bearing
     packing = Packing(
@@ -254,7 +248,7 @@ def _packing(
         friction=scene.friction,
         info={
             "scene": asdict(scene),
-            "seed": seed,
+            **({} if seed is None else {"seed": seed}),
             "settings": asdict(settings),
             "backend": resolve_backend(settings.backend),
             "newton": rest.iterations,

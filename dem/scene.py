@@ -11,6 +11,8 @@ from math import isfinite
 from operator import index
 from typing import Any
 
+import numpy as np
+
 #: Below three grains there is no loop, hence no force equation.
 FEWEST_GRAINS = 3
 #: At Δ = 0.2 a contact is squeezed by a fifth of a diameter: no longer a contact of disks.
@@ -26,7 +28,9 @@ class Scene:
     grains : number of disks, at least 3.
     delta : Δ = p/κ in (0, 0.2].
     friction : Coulomb coefficient μ >= 0; 0 models neither history nor rotation.
-    polydispersity : radii uniform within ± this fraction of the mean, in [0, 1).
+    polydispersity : radii are drawn uniformly within ± this fraction of 1/2, in [0, 1), and then
+        rescaled to mean 1/2: the largest of few grains may exceed the fraction by as much as the
+        mean that was drawn fell short.
     stiffness_ratio : k_t/k_n > 0 of the tangential spring.
     aspect : width over height of the cell.
     contact : "linear", f_n = κ δ.
@@ -84,11 +88,32 @@ def whole_number(name: str, value: Any) -> int:
 
 
 def real_number(name: str, value: Any) -> float:
-    """``value`` as a Python float; ValueError naming it if it is no number."""
+    """``value`` as a Python float; ValueError naming it if it is no number.
+
+    Neither is a string that looks like one, nor True.
+    """
     try:
+        if isinstance(value, bool | np.bool_ | str | bytes):
+            raise TypeError
         return float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} = {value!r} is not a number") from None
+
+
+def positive_number(name: str, value: Any) -> float:
+    """``value`` as a finite Python float > 0; ValueError naming it if it is not."""
+    number = real_number(name, value)
+    if not (isfinite(number) and number > 0):
+        raise ValueError(f"{name} = {number} is not a finite number > 0")
+    return number
+
+
+def number_from_zero(name: str, value: Any) -> float:
+    """``value`` as a finite Python float >= 0; ValueError naming it if it is not."""
+    number = real_number(name, value)
+    if not (isfinite(number) and number >= 0):
+        raise ValueError(f"{name} = {number} is not a finite number >= 0")
+    return number
 
 
 def seed_number(seed: Any) -> int:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
+
+import numpy as np
 
 from dem.integrator import check_precision, resolve_backend
+from dem.scene import number_from_zero, positive_number
 
 #: A time step above this fraction of √(m_eff/κ) may not come to rest: 1.0 does at every Δ, 1.5
 #: at none (2 is the stability limit of a single contact, and a grain has several).
@@ -28,12 +30,19 @@ class Settings:
     dashpot : normal contact dashpot in units of √(m κ) of a mean grain; keep it 0 (see ``law``).
     velocity_tolerance : mean speed, in ⟨σ⟩√(p/ρ)/⟨σ⟩, at which integration ends.  None: 1e-5
         with the polish, else the Comment's 1e-8; in float32 1e-4 and 1e-5.
-    residual_tolerance : largest force or torque residual of a polished packing, in p⟨σ⟩.
+    residual_tolerance : largest force or torque residual of a polished packing, in p⟨σ⟩; where
+        Newton's method stalls above it, integration goes on.
     skin : width of the neighbour list beyond touching, in ⟨σ⟩.
     polish : end with Newton's method on the contacts.
     longest : inertial times ⟨σ⟩√(ρ/p) after which relaxation is given up.
     backend : "auto", "numpy" or "numba".
-    precision : "float64" or "float32", of the time integration; the polish is in float64.
+    precision : "float64" or "float32", of the time integration; the polish is in float64.  In
+        float32 rest comes later, or not at all, where Δ and friction are both small: at Δ = 1e-4,
+        μ = 1e-3 after ten times as many steps, if it comes.  What does not rest is refused.
+
+    Raises
+    ------
+    ValueError : naming the setting and its value.
     """
 
     time_step: float = 0.8
@@ -54,11 +63,11 @@ class Settings:
         if self.velocity_tolerance is not None:
             positive.append("velocity_tolerance")
         for name in positive:
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise ValueError(f"{name} = {value} is not a finite number > 0")
-        if not (isfinite(self.dashpot) and self.dashpot >= 0):
-            raise ValueError(f"dashpot = {self.dashpot} is not a finite number >= 0")
+            object.__setattr__(self, name, positive_number(name, getattr(self, name)))
+        object.__setattr__(self, "dashpot", number_from_zero("dashpot", self.dashpot))
+        if not isinstance(self.polish, bool | np.bool_):
+            raise ValueError(f"polish = {self.polish!r} is neither True nor False")
+        object.__setattr__(self, "polish", bool(self.polish))
         if self.time_step > LONGEST_TIME_STEP:
             raise ValueError(
                 f"time_step = {self.time_step} exceeds {LONGEST_TIME_STEP} √(m_eff/κ): "

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dem.state import Ints
 from doubledouble import EPS
 
 if TYPE_CHECKING:
@@ -16,6 +17,20 @@ if TYPE_CHECKING:
 BALANCED = 1e-2
 #: A force-bearing contact is no wider open than this many round-off units ε L.
 TOUCHING = 1000
+
+
+def check_low_parts(p: Packing) -> None:
+    """What the doubles leave out is no more than an ulp of them."""
+    for name in ("positions", "radii", "cell"):
+        low = getattr(p, f"{name}_low")
+        if low is None:
+            continue
+        high = getattr(p, name)
+        if large := np.argwhere(np.abs(low) > np.spacing(np.abs(high))).tolist():
+            k = tuple(large[0])
+            raise ValueError(
+                f"{name}_low{large[0]} is {low[k]:.3g}, more than an ulp of its {high[k]:.17g}"
+            )
 
 
 def check_contacts(p: Packing) -> None:
@@ -37,10 +52,17 @@ def check_contacts(p: Packing) -> None:
     if p.cell is None and p.images.any():
         e = int(np.argmax(p.images.any(axis=1)))
         raise ValueError(f"contact {e} has image {p.images[e].tolist()} but there is no cell")
-    keys = np.column_stack([p.pairs, p.images])
+    keys = np.column_stack([p.pairs, _one_of_two(p.images, i == j)])
     _, first = np.unique(keys, axis=0, return_index=True)
     if repeated := sorted(set(range(len(keys))) - set(first.tolist())):
         raise ValueError(f"contact {repeated[0]} {keys[repeated[0]].tolist()} is a duplicate")
+
+
+def _one_of_two(images: Ints, itself: np.ndarray) -> Ints:
+    """Images, of a contact of a grain with ``itself`` the one of the two that points ahead: seen
+    from either end it is the same contact."""
+    behind = (images[:, 0] < 0) | ((images[:, 0] == 0) & (images[:, 1] < 0))
+    return np.where((itself & behind)[:, None], -images, images)
 
 
 def check_forces(p: Packing) -> None:

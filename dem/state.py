@@ -8,10 +8,13 @@ e x of a cell that strains at rate e.  The density is 1 per unit area: m = Ï€ RÂ
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from dem.scene import real_number
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -19,11 +22,35 @@ Ints = NDArray[np.int64]
 
 @dataclass
 class History:
-    """Tangential elongations ``u (c,)`` of the contacts ``(i, j, image)`` that carry them."""
+    """Tangential elongations ``u (c,)`` of the contacts ``(i, j, image)`` that carry them.
+
+    Raises ValueError, naming the contact, for shapes that do not fit, NaN, an index or image that
+    is no whole number, and i >= j.
+    """
 
     pairs: Ints = field(default_factory=lambda: np.empty((0, 2), np.int64))
     images: Ints = field(default_factory=lambda: np.empty((0, 2), np.int64))
     elongations: Floats = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self) -> None:
+        self.elongations = _vector("elongations", self.elongations, None)
+        shape = (len(self.elongations), 2)
+        self.pairs = _whole("pairs", self.pairs, shape)
+        self.images = _whole("images", self.images, shape)
+        if len(bad := np.flatnonzero(self.pairs[:, 0] >= self.pairs[:, 1])):
+            e = int(bad[0])
+            raise ValueError(f"contact {e} of the history is {self._names(e)}: write i < j")
+
+    def check_grains(self, count: int) -> None:
+        """ValueError when a contact joins a grain that is none of 0 ... count - 1."""
+        if len(bad := np.flatnonzero((self.pairs < 0).any(1) | (self.pairs >= count).any(1))):
+            e = int(bad[0])
+            raise ValueError(
+                f"contact {e} of the history is {self._names(e)}, but grains are 0 ... {count - 1}"
+            )
+
+    def _names(self, contact: int) -> tuple[int, ...]:
+        return tuple(self.pairs[contact].tolist())
 
 
 @dataclass
@@ -36,7 +63,7 @@ class State:
     Raises
     ------
     ValueError : naming the grain and the number (NaN, radius not positive, wrong shape,
-        a cell that is singular or not rectangular).
+        a cell that is singular or not rectangular, a history of grains that are not there).
     """
 
     positions: Floats
@@ -62,10 +89,20 @@ class State:
             self.cell = _vector("cell", self.cell, (2, 2))
             if self.cell[0, 1] or self.cell[1, 0] or np.min(np.diag(self.cell)) <= 0:
                 raise ValueError(f"cell {self.cell.tolist()} is not a rectangle of positive sides")
+        self.strain_rate = real_number("strain_rate", self.strain_rate)
+        if not isfinite(self.strain_rate):
+            raise ValueError(f"strain_rate = {self.strain_rate} is not a finite number")
+        if not isinstance(self.history, History):
+            raise ValueError(f"history = {self.history!r} is no History")
+        self.history.check_grains(count)
         # Workspace of `step`: neighbour list and the forces at the present positions.
         self._near: Any = None
         self._forces: Any = None
         self._law: Any = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the workspace, which the next ``step`` makes anew: for pickles and copies."""
+        return self.__dict__ | {"_near": None, "_forces": None, "_law": None}
 
     @property
     def masses(self) -> Floats:
@@ -80,9 +117,22 @@ class State:
 
 
 def _vector(name: str, value: object, shape: tuple[int, ...] | None) -> Floats:
-    array = np.array(value, dtype=np.float64, order="C")
+    try:
+        array = np.array(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} is not an array of numbers: {error}") from error
     if array.shape != (shape or (array.size,)):
         raise ValueError(f"{name} has shape {array.shape}, expected {shape or '(N,)'}")
     if bad := np.argwhere(~np.isfinite(array)).tolist():
         raise ValueError(f"{name}{bad[0]} is {array[tuple(bad[0])]}")
     return array
+
+
+def _whole(name: str, value: object, shape: tuple[int, ...]) -> Ints:
+    array = np.asarray(value)
+    if array.dtype == np.int64 and array.shape == shape:
+        return array.copy()
+    numbers = _vector(name, array.reshape(shape) if array.size == 0 else value, shape)
+    if odd := np.argwhere(numbers != np.rint(numbers)).tolist():
+        raise ValueError(f"{name}{odd[0]} is {numbers[tuple(odd[0])]}, no whole number")
+    return numbers.astype(np.int64)

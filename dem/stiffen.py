@@ -1,7 +1,7 @@
 """Stiffer and stiffer grains: a packing at Δ continued to Δ' < Δ by Newton's method alone.
 
 Time integration takes Δ^(-1/2) steps and, below Δ ~ 1e-9, stalls: a displacement of a step falls
-below one ulp of a position.  Here pressure falls in stages p -> q = p/factor, κ staying 1:
+below one ulp of a position.  Here pressure falls in stages p -> q = p/factor, κ staying as it is:
 
     predict   overlaps and tangential elongations shrink by q/p: the force network f/p is kept.
               The moves of least norm that do so, J y = -(1 - q/p) δ, by Gauss and Newton
@@ -18,18 +18,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array, eye_array
 from scipy.sparse.linalg import splu
 
+from dem.audit import NotRight, refuse_missed_contacts
 from dem.law import ContactLaw
 from dem.neighbours import Neighbours, find_neighbours
 from dem.packing import Packing
 from dem.polish import PolishFailed, newton
 from dem.precise import Place, PreciseEquilibrium
 from dem.rest import backbone, fewest_contacts
-from dem.state import Floats, History
+from dem.resume import check_resumable, origin, power_of_two, recorded_ratio, rescaled
+from dem.scene import real_number
+from dem.state import History
 from dem.tangent import Trial
 
 #: Largest and smallest ratio of pressures of one stage.
@@ -41,31 +45,46 @@ TIKHONOV = 1e-7
 PREDICTIONS, SWEEPS = 8, 300
 
 
-def refine(packing: Packing) -> Packing:
+def refine(packing: Packing, *, stiffness_ratio: float | None = None) -> Packing:
     """The same packing with low parts: positions that hold f_n = κ overlap to the last digit.
 
-    Raises PolishFailed when Newton finds no balance near it.
-    """
-    return _continued(packing, packing.delta)
-
-
-def stiffen(packing: Packing, delta: float) -> Packing:
-    """``packing`` continued to ``delta`` <= its own Δ, with low parts; κ, μ and grains stay.
+    ``stiffness_ratio``: k_t/κ, where the packing does not record it.
 
     Raises
     ------
-    ValueError : an open packing, a larger delta, or one that is not positive.
+    ValueError : an open packing, one with external loads or in a cell that is no rectangle; one
+        with friction whose k_t/κ is neither recorded nor given.
+    PolishFailed : Newton finds no balance near it.
+    """
+    return _resumed(packing, packing.delta, stiffness_ratio)
+
+
+def stiffen(packing: Packing, delta: float, *, stiffness_ratio: float | None = None) -> Packing:
+    """``packing`` continued to ``delta`` <= its own Δ, with low parts; κ, μ and grains stay.
+
+    ``stiffness_ratio``: k_t/κ, where the packing does not record it.
+
+    Raises
+    ------
+    ValueError : as ``refine``; a larger delta, or one that is not positive.
     PolishFailed : no stage succeeds any more; says at which Δ.
     """
+    delta = real_number("delta", delta)
     if not 0 < delta <= packing.delta:
         raise ValueError(f"delta = {delta}: continuation goes down, from {packing.delta:.3g}")
-    return _continued(packing, delta)
+    return _resumed(packing, delta, stiffness_ratio)
 
 
-def _continued(packing: Packing, delta: float) -> Packing:
-    if packing.cell is None:
-        raise ValueError("continuation is for periodic packings; this one has no cell")
-    ratio = packing.info.get("scene", {}).get("stiffness_ratio", 0.5)
+def _resumed(packing: Packing, delta: float, ratio: Any) -> Packing:
+    check_resumable(packing, "continuation")
+    ratio = recorded_ratio(packing, ratio)
+    unit = power_of_two(packing)
+    new = rescaled(_continued(rescaled(packing, 1 / unit), delta, ratio), unit)
+    new.info.update(origin(packing, new.delta, ratio))
+    return new
+
+
+def _continued(packing: Packing, delta: float, ratio: float) -> Packing:
     law = ContactLaw(packing.stiffness, ratio, packing.friction)
     place, near = _start(packing, law)
     p, target, factor = packing.pressure, delta * packing.stiffness, LONGEST_STAGE
@@ -86,6 +105,10 @@ def _continued(packing: Packing, delta: float) -> Packing:
             continue
         p, factor = q, min(factor**2, LONGEST_STAGE)
         stages, iterations = stages + 1, iterations + spent
+    try:
+        refuse_missed_contacts(place.state(), near)
+    except NotRight as wrong:
+        raise PolishFailed(f"continuation to Δ = {delta:g}: {wrong}") from wrong
     return _packing(packing, place, near, trial, p, {"stages": stages, "newton": iterations})
 
 
@@ -122,7 +145,10 @@ def _predict(
     grains[near.pairs[trial.bearing]] = True
     active = np.flatnonzero(np.r_[grains, grains, np.zeros(count, bool), True])
     jacobian = csc_array(trial.m_n)[active][:, np.flatnonzero(trial.bearing)]
-    solve = splu(csc_array(jacobian @ jacobian.T + TIKHONOV * eye_array(len(active)))).solve
+    try:
+        solve = splu(csc_array(jacobian @ jacobian.T + TIKHONOV * eye_array(len(active)))).solve
+    except RuntimeError as singular:
+        raise PolishFailed(f"no moves to predict ({singular})") from singular
     y, worst = np.zeros(3 * count + 1), np.inf
     for _ in range(PREDICTIONS):
         excess = balance.branches(y)[1][trial.bearing] - wanted
@@ -131,12 +157,10 @@ def _predict(
         worst = np.abs(excess).max()
         y[active] += solve(jacobian @ excess)
     ahead = balance.after(y)
-    return _evict(ahead, near, law, trial.bearing, ~grains, 3 * p / law.stiffness)
+    return _evict(ahead, near, ~grains, 3 * p / law.stiffness)
 
 
-def _evict(
-    place: Place, near: Neighbours, law: ContactLaw, bearing: Floats, rattles: Floats, gap: float
-) -> Place:
+def _evict(place: Place, near: Neighbours, rattles: np.ndarray, gap: float) -> Place:
     """Push rattlers off their neighbours by ``gap``, as far as their cages let them."""
     i, j = near.columns
     push_i, push_j = rattles[i] * 1.0, rattles[j] * 1.0
@@ -172,5 +196,8 @@ def _packing(
         pressure=p,
         info=packing.info | {"continued": facts | {"from": packing.delta}},
     )
-    new.info["residual"] = float(new.residuals().max())
+    residual = float(new.residuals().max())
+    if not residual <= GOOD:
+        raise PolishFailed(f"the residual is {residual:.3g} p, allowed {GOOD:g}")
+    new.info["residual"] = residual
     return new

@@ -64,7 +64,6 @@ class Equilibrium:
         self.span = float(np.sqrt(self.count))  # ℓ, so that the cell's row is like a grain's
         self.area = float(np.prod(np.diag(state.cell)))
         self.scale = near.scale(state)
-        self.z = state.positions.view(complex)[:, 0].copy()
         self.start = near.branches(state)
 
     def trial(self, y: Floats) -> Trial:
@@ -101,9 +100,9 @@ class Equilibrium:
         """Size of the cell after ``y``, in units of that at the start."""
         return float(1 + y[-1] / self.span)
 
-    def centres(self, y: Floats) -> np.ndarray:
-        """Positions after ``y``, complex ``(N,)``."""
-        return self.z * self.stretch(y) + (y[: self.count] + 1j * y[self.count : 2 * self.count])
+    def displacement(self, y: Floats) -> np.ndarray:
+        """The moves of the centres, complex ``(N,)``."""
+        return y[: self.count] + 1j * y[self.count : 2 * self.count]
 
     def branches(self, y: Floats) -> tuple[np.ndarray, Floats, Floats]:
         """Branch vectors (complex), overlaps, and displacements across the starting branch.
@@ -112,7 +111,7 @@ class Equilibrium:
         turn that noise into moves that no longer are small.
         """
         i, j = self.near.columns
-        u = y[: self.count] + 1j * y[self.count : 2 * self.count]
+        u = self.displacement(y)
         d = self.start * self.stretch(y) + (u[j] - u[i])
         aside = (d * (self.start / np.abs(self.start)).conj()).imag
         return d, self.near.sigma - np.abs(d), aside

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
 import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import dem.ensemble as ensemble
-from dem import Packing, Scene, Settings, packing_key, relax, relax_ensemble
+from dem import NotRelaxed, Packing, Scene, Settings, packing_key, relax, relax_ensemble
+from dem.packing_file import write_record
 
 SETTINGS = Settings(backend="numpy")
 SCENES = [Scene(24, 1e-2), Scene(20, 1e-1), Scene(24, 1e-2)]
@@ -105,6 +108,30 @@ def test_cut_off_file_is_detected_and_computed_again(expected, tmp_path):
     Packing.load(victim)
 
 
+@pytest.mark.parametrize(("at", "value"), [(10, 99), (8, 1)])
+def test_damage_of_any_kind_does_not_stop_a_resume(expected, tmp_path, at, value):
+    """A compression nobody knows, an encryption: warned of by name, and computed again."""
+    relax_ensemble(SCENES[:1], SEEDS[:1], store=tmp_path, settings=SETTINGS, progress=False)
+    (victim,) = tmp_path.glob("*.npz")
+    data = bytearray(victim.read_bytes())
+    data[data.index(b"PK\x01\x02") + at] = value
+    victim.write_bytes(data)
+    with pytest.warns(UserWarning, match=rf"{victim.name} is cut off"):
+        found = relax_ensemble(
+            SCENES[:1], SEEDS[:1], store=tmp_path, settings=SETTINGS, progress=False
+        )
+    assert same(found, expected[:1])
+
+
+def test_stored_info_that_is_no_object_does_not_stop_a_resume(expected, tmp_path):
+    file = tmp_path / f"{packing_key(SCENES[0], 1, SETTINGS)}.npz"
+    arrays = {f.name: getattr(expected[0], f.name) for f in fields(Packing) if f.name != "info"}
+    write_record(file, {k: v for k, v in arrays.items() if v is not None}, [1])
+    with pytest.warns(UserWarning, match="its info is a list"):
+        found = relax_ensemble(SCENES[:1], [1], store=tmp_path, settings=SETTINGS, progress=False)
+    assert same(found, expected[:1])
+
+
 def test_one_failure_does_not_lose_the_others(tmp_path):
     """The failing scene is named at the end, when the rest is in the store."""
     scenes = [Scene(24, 1e-1), Scene(3, 1e-1), Scene(24, 1e-1)]
@@ -116,6 +143,23 @@ def test_one_failure_does_not_lose_the_others(tmp_path):
         assert "grains=3" in caught.value.__notes__[0]
         assert "seed 2" in caught.value.__notes__[0]
         assert len(list(folder.glob("*.npz"))) == 2
+
+
+def test_failure_in_another_process_loses_nothing_else(tmp_path):
+    """A scene that does not rest sends NotRelaxed through the pool, which goes on."""
+    scenes = [Scene(24, 0.2), Scene(24, 1e-6), Scene(24, 0.2), Scene(20, 0.2)]
+    hasty = Settings(backend="numpy", longest=1.0)  # 200 steps: enough at Δ = 0.2
+    with (
+        # Spawned: a fork inherits what other tests have taught pickle about exceptions.
+        ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool,
+        pytest.raises(NotRelaxed, match=r"Δ = 1e-06, N = 24, seed 2") as caught,
+    ):
+        relax_ensemble(
+            scenes, range(1, 5), executor=pool, store=tmp_path, settings=hasty, progress=False
+        )
+    assert "seed 2" in caught.value.__notes__[0]
+    assert len(caught.value.state.radii) == 24
+    assert len(list(tmp_path.glob("*.npz"))) == 3
 
 
 KILLED = """
@@ -170,6 +214,31 @@ def test_key_tells_apart_all_that_decides_a_packing(monkeypatch):
     keys.add(packing_key(scene, 1, SETTINGS))
     assert len(keys) == 6
     assert packing_key(scene, 1, SETTINGS) == packing_key(scene, 1, SETTINGS)
+
+
+def test_key_is_that_of_the_present_algorithm(monkeypatch):
+    """Scene, seed, settings, backend and the number of the algorithm, on any machine: a change of
+    what ``relax`` returns must change the number, and with it the names of stored packings."""
+    scene, plain = Scene(48, 1e-3), Settings(backend="numpy")
+    assert ensemble.ALGORITHM == 5
+    assert packing_key(scene, 1, plain) == "f4f1faee21e34ca215576ffe"
+    monkeypatch.setattr(ensemble, "ALGORITHM", 4)
+    assert packing_key(scene, 1, plain) != "f4f1faee21e34ca215576ffe"
+
+
+def test_settings_of_equal_value_have_one_key():
+    keys = {
+        packing_key(SCENES[0], 1, Settings(backend="numpy", drag=drag, polish=polish))
+        for drag in (1, 1.0, np.float32(1), np.float64(1), np.int64(1))
+        for polish in (True, np.True_)
+    }
+    assert len(keys) == 1
+
+
+def test_settings_from_numpy_are_stored(tmp_path):
+    settings = Settings(backend="numpy", time_step=np.float32(0.5), longest=np.int64(3000))
+    relax(Scene(24, 1e-1), 1, settings=settings, progress=False).save(tmp_path / "p.npz")
+    assert Packing.load(tmp_path / "p.npz").info["settings"]["time_step"] == 0.5
 
 
 def test_store_that_is_a_file_is_refused_before_any_work(tmp_path):

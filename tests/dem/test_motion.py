@@ -184,6 +184,78 @@ def test_shrinking_cell_brings_absent_pairs_into_contact(backend):
     assert seldom.velocities == pytest.approx(often.velocities, rel=1e-9)
 
 
+@pytest.mark.parametrize("small", [0.05, 0.2])
+def test_growing_cell_does_not_hide_small_grains_from_each_other(backend, small):
+    """Two small grains meet head-on while the cell, which holds a large one too, grows: what
+    the list may leave out depends on the smallest pair then.  They repel as with a list made at
+    every step, and never pass through each other."""
+    law, drive = ContactLaw(friction=0.0), Drive(pressure=1e-9)
+    apart = 2 * small + 0.2 + 0.005  # just not on the list
+    speed = 0.03 + 1.2 * small
+    often, seldom = (
+        State(
+            np.array([[5.0, 5.0], [5.0 + apart, 5.0], [15.0, 15.0]]), np.array([small, small, 1]),
+            velocities=np.array([[speed, 0.0], [-speed, 0.0], [0.0, 0.0]]),
+            cell=np.diag([20.0, 20.0]), strain_rate=0.1,
+        )
+        for _ in range(2)
+    )  # fmt: skip
+    for _ in range(70):
+        step(often, law, 0.01, drive=drive, steps=10, skin=1e-9, backend=backend)
+        step(seldom, law, 0.01, drive=drive, steps=10, skin=0.2, backend=backend)
+        assert seldom.positions[0, 0] < seldom.positions[1, 0]
+        assert seldom.positions == pytest.approx(often.positions, rel=1e-9)
+
+
+def test_motion_does_not_depend_on_the_unit_of_length(backend):
+    """Lengths and times four times as many, κ and p the same: the same motion, cell included,
+    whose inertia is W = Σ m ⟨σ⟩²."""
+    one = dense_gas()
+    four = State(
+        4 * one.positions, 4 * one.radii, one.velocities, one.spins / 4, 4 * one.cell, 0.0
+    )
+    for s, unit in ((one, 1), (four, 4)):
+        drive = Drive(drag=0.1 / unit, pressure=1e-2)
+        step(
+            s, ContactLaw(), 0.05 * unit, drive=drive, steps=100, skin=0.2 * unit, backend=backend
+        )
+    assert abs(one.strain_rate) > 1e-3
+    assert 4 * four.strain_rate == pytest.approx(one.strain_rate, rel=1e5 * EPS)
+    assert four.positions / 4 == pytest.approx(one.positions, rel=1e5 * EPS)
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_a_fixed_cell_has_no_strain_rate(backend, precision):
+    """A dashpot does not feel the rate of a cell that does not move; the rate itself waits for a
+    pressure to move the cell, and is felt then from the first half kick on."""
+
+    def state(rate: float) -> State:
+        return State(
+            [[2.0, 2.0], [2.9, 2.0]], [0.5, 0.5], cell=np.diag([8.0, 8.0]), strain_rate=rate
+        )
+
+    law = ContactLaw(friction=0.0, dashpot=0.5)
+    still, strained = state(0.0), state(0.1)
+    for s in (still, strained):
+        step(s, law, 0.01, steps=5, backend=backend, precision=precision)
+    assert np.array_equal(still.velocities, strained.velocities)
+    assert np.array_equal(still.cell, strained.cell)
+    assert (still.strain_rate, strained.strain_rate) == (0.0, 0.1)
+    fresh = replace(strained)
+    for s in (strained, fresh):
+        step(s, law, 0.01, drive=Drive(pressure=1e-2), backend=backend, precision=precision)
+    assert np.array_equal(strained.velocities, fresh.velocities)
+
+
+def test_frictionless_motion_forgets_a_history(backend):
+    """Closed contacts and open pairs alike: what a state brings along is gone after a step."""
+    old = History(np.array([[0, 1], [2, 3]]), np.zeros((2, 2), int), np.array([0.01, 0.02]))
+    at = np.array([[2.0, 2.0], [2.9, 2.0], [4.0, 4.0], [5.05, 4.0]])
+    state = State(at, np.full(4, 0.5), history=old)
+    step(state, ContactLaw(friction=0.0), 1e-3, backend=backend)
+    assert len(state.history.pairs) == 0
+
+
 def test_skin_asked_for_is_the_skin_used():
     state = State(np.array([[0.0, 0.0], [1.4, 0.0]]), np.full(2, 0.5))
     for skin, pairs in ((0.5, 1), (0.1, 0)):
@@ -252,8 +324,12 @@ def test_contact_across_the_cell_face(backend):
 
 def test_narrow_cell_is_refused():
     state = State(np.array([[0.5, 0.5], [1.2, 0.5]]), np.full(2, 0.5), cell=np.diag([2.0, 5.0]))
-    with pytest.raises(ValueError, match=r"cell is 2 wide, less than twice"):
+    narrow = r"cell is 2 wide \(along x\), less than twice .*diameter 1 and skin 0\.3\)"
+    with pytest.raises(ValueError, match=narrow):
         step(state, ContactLaw(), 0.1)
+    flat = replace(state, positions=state.positions[:, ::-1], cell=np.diag([5.0, 2.0]))
+    with pytest.raises(ValueError, match=r"cell is 2 high \(along y\).* skin 0\.7\)"):
+        step(flat, ContactLaw(), 0.1, skin=0.7)
 
 
 @pytest.mark.parametrize(
@@ -265,12 +341,48 @@ def test_narrow_cell_is_refused():
         ({"positions": [[0.0, 0.0]]}, r"positions has shape \(1, 2\), expected \(2, 2\)"),
         ({"cell": [[5.0, 1.0], [0.0, 5.0]]}, "not a rectangle"),
         ({"cell": [[5.0, 0.0], [0.0, 0.0]]}, "not a rectangle of positive sides"),
+        ({"strain_rate": np.nan}, "strain_rate = nan is not a finite number"),
+        ({"strain_rate": "fast"}, "strain_rate = 'fast' is not a number"),
+        ({"radii": ["a", "b"]}, "radii is not an array of numbers"),
+        ({"history": [[0, 1]]}, r"history = \[\[0, 1\]\] is no History"),
+        (
+            {"history": History([[0, 2]], [[0, 0]], [0.1])},
+            r"contact 0 of the history is \(0, 2\), but grains are 0 ... 1",
+        ),
+        ({"history": History([[-1, 0]], [[0, 0]], [0.1])}, r"is \(-1, 0\), but grains"),
     ],
 )
 def test_bad_state(change, message):
     good = {"positions": [[0.0, 0.0], [1.0, 0.0]], "radii": [0.5, 0.5]}
     with pytest.raises(ValueError, match=message):
         State(**(good | change))
+
+
+@pytest.mark.parametrize(
+    ("pairs", "images", "elongations", "message"),
+    [
+        ([[1, 0]], [[0, 0]], [0.1], r"contact 0 of the history is \(1, 0\): write i < j"),
+        ([[0, 1], [1, 1]], [[0, 0]] * 2, [0.1] * 2, r"contact 1 of the history is \(1, 1\)"),
+        ([[0, 1]], [[0, 0]], [np.nan], r"elongations\[0\] is nan"),
+        ([[0, 1]], [[0, 0]], [0.1, 0.2], r"pairs has shape \(1, 2\), expected \(2, 2\)"),
+        ([[0, 1.5]], [[0, 0]], [0.1], r"pairs\[0, 1\] is 1.5, no whole number"),
+        ([[0, 1]], [[0, "a"]], [0.1], "images is not an array of numbers"),
+    ],
+)
+def test_bad_history(pairs, images, elongations, message):
+    with pytest.raises(ValueError, match=message):
+        History(pairs, images, elongations)
+
+
+def test_history_of_lists_is_a_history(backend):
+    """Lists, or arrays of other types, are what arrays of theirs would be."""
+    listed = History([[0, 1]], [[0, 0]], [0.01])
+    arrays = History(np.array([[0, 1]]), np.zeros((1, 2), int), np.array([0.01]))
+    one, two = (State([[2.0, 2.0], [2.9, 2.0]], [0.5, 0.5], history=h) for h in (listed, arrays))
+    for s in (one, two):
+        step(s, ContactLaw(), 1e-3, backend=backend)
+    assert np.array_equal(one.spins, two.spins)
+    assert one.spins.all()
 
 
 @pytest.mark.parametrize(
@@ -283,6 +395,10 @@ def test_bad_state(change, message):
         ({"dt": 0.1, "steps": 0}, "steps = 0"),
         ({"dt": 0.1, "skin": -0.2}, "skin = -0.2"),
         ({"dt": 0.1, "skin": np.nan}, "skin = nan"),
+        ({"dt": 0.1, "skin": "a"}, "skin = 'a' is not a number"),
+        ({"dt": "a"}, "dt = 'a' is not a number"),
+        ({"dt": 0.1, "steps": 1.5}, "steps = 1.5 is not a whole number"),
+        ({"dt": 0.1, "steps": "3"}, "steps = '3' is not a whole number"),
     ],
 )
 def test_bad_step(kwargs, message):
@@ -300,6 +416,10 @@ def test_bad_step(kwargs, message):
         (lambda: ContactLaw(dashpot=np.nan), "dashpot = nan"),
         (lambda: Drive(drag=-1.0), "drag = -1.0"),
         (lambda: Drive(pressure=0.0), "pressure = 0.0"),
+        (lambda: Drive(drag="1"), "drag = '1' is not a number"),
+        (lambda: Drive(pressure=True), "pressure = True is not a number"),
+        (lambda: ContactLaw(stiffness="1"), "stiffness = '1' is not a number"),
+        (lambda: ContactLaw(friction=None), "friction = None is not a number"),
     ],
 )
 def test_bad_law(make, message):
@@ -321,6 +441,17 @@ def test_exploding_time_step_says_so(backend):
         np.errstate(all="ignore"),
     ):
         step(state, ContactLaw(friction=0.0), 1e200, steps=5, backend=backend)
+
+
+def test_velocities_that_overflow_say_so(backend):
+    """Two grains meet in the last step: positions are finite, the speed after the kick is not."""
+    state = State([[0.0, 0.0], [1.01, 0.0]], [0.5, 0.5], velocities=[[0.0, 0.0], [-0.051, 0.0]])
+    hard = ContactLaw(stiffness=1e308, friction=0.0)
+    with (
+        pytest.raises(FloatingPointError, match="grain 0 has no finite velocity"),
+        np.errstate(all="ignore"),
+    ):
+        step(state, hard, 10.0, skin=2.0, backend=backend)
 
 
 def test_large_packings_are_numbered_along_strips():

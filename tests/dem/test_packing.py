@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from dem import Packing
+from dem.packing_file import write_record
 from tests.conftest import packing
 
 
@@ -105,6 +106,113 @@ def test_bad_packing(change, message):
     p = packing()
     with pytest.raises(ValueError, match=message):
         replace(p, **change(p))
+
+
+@pytest.mark.parametrize("name", ["positions", "radii", "cell"])
+def test_low_parts_are_low(name):
+    """At most an ulp of what they complete: more would be another packing."""
+    p = packing()
+    high = getattr(p, name)
+    with pytest.raises(ValueError, match=rf"{name}_low\[0.*\] is .*, more than an ulp of its"):
+        replace(p, **{f"{name}_low": 1e-12 * high})
+    ulp = np.where(high != 0, 0.5 * np.spacing(np.abs(high)), 0.0)
+    assert replace(p, **{f"{name}_low": -ulp}).overlaps == pytest.approx(p.overlaps, abs=1e-13)
+
+
+def lattice(images: list[list[int]]) -> Packing:
+    """One grain in a square cell that touches itself through these faces."""
+    side, count = 0.999, len(images)
+    pressure = 0.001 * count * side / (2 * side**2)
+    return Packing(
+        np.zeros((1, 2)), np.array([0.5]), side * np.eye(2), np.zeros((count, 2), int), images,
+        np.full(count, 0.001), np.zeros(count), np.zeros((1, 3)), 1.0, pressure, 0.3,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("images", [[[1, 0], [0, 1]], [[-1, 0], [0, 1]], [[1, 0], [0, -1]]])
+def test_a_grain_may_touch_itself(images):
+    assert lattice(images).coordination == 4
+
+
+@pytest.mark.parametrize("images", [[[1, 0], [-1, 0]], [[0, 1], [0, -1]], [[-1, 2], [1, -2]]])
+def test_a_contact_seen_from_both_ends_is_one(images):
+    with pytest.raises(ValueError, match="is a duplicate"):
+        lattice(images)
+
+
+def test_open_packing_has_no_width():
+    with pytest.raises(ValueError, match="an open packing has no cell"):
+        _ = column().width
+
+
+@pytest.mark.parametrize("name", ["stiffness", "pressure", "friction"])
+@pytest.mark.parametrize("value", ["1", None, True])
+def test_numbers_of_a_packing_are_numbers(name, value):
+    with pytest.raises(ValueError, match=f"{name} = {value!r} is not a number"):
+        replace(packing(), **{name: value})
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_any_damage_is_a_value_error_that_names_the_file(tmp_path, seed):
+    """Bytes changed or cut at random, a hundred times: the packing as it was, or a ValueError."""
+    path, rng = tmp_path / "p.npz", np.random.default_rng(seed)
+    column().save(path)
+    whole = path.read_bytes()
+    for _ in range(100):
+        data = bytearray(whole)
+        for at in rng.integers(0, len(data), rng.integers(1, 4)):
+            data[at] = rng.integers(0, 256)
+        path.write_bytes(
+            data[: rng.integers(len(data) // 2, len(data) + 1)] if seed == 0 else data
+        )
+        said = "p.npz"
+        try:
+            Packing.load(path)
+        except ValueError as error:
+            said = str(error)
+        assert "p.npz" in said
+
+
+@pytest.mark.parametrize(("at", "value"), [(8, 99), (6, 1)])
+def test_unknown_compression_and_encryption_are_damage(tmp_path, at, value):
+    """Two fields of the zip directory for which zipfile has NotImplementedError, RuntimeError."""
+    path = tmp_path / "p.npz"
+    column().save(path)
+    data = bytearray(path.read_bytes())
+    data[data.index(b"PK\x01\x02") + at + 2] = value
+    path.write_bytes(data)
+    with pytest.raises(ValueError, match=r"p\.npz is cut off, or not a packing"):
+        Packing.load(path)
+
+
+def test_info_that_is_no_object_is_refused(tmp_path):
+    path = tmp_path / "p.npz"
+    arrays = {f.name: getattr(column(), f.name) for f in fields(Packing) if f.name != "info"}
+    for info, kind in (([1], "list"), (None, "NoneType"), ("x", "str")):
+        write_record(path, {k: v for k, v in arrays.items() if v is not None}, info)
+        with pytest.raises(ValueError, match=rf"p\.npz .* its info is a {kind}"):
+            Packing.load(path)
+
+
+def test_info_is_a_dictionary():
+    with pytest.raises(ValueError, match=r"info = \[1\] is no dictionary"):
+        replace(column(), info=[1])
+
+
+def test_no_file_is_no_damage(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        Packing.load(tmp_path / "p.npz")
+
+
+def test_parts_of_one_process_do_not_meet(tmp_path, monkeypatch):
+    """Same target and process number, as on two machines with one folder: two names."""
+    parts = []
+    monkeypatch.setattr(
+        "dem.packing_file._write", lambda part, *a: parts.append(part) or part.touch()
+    )
+    for _ in range(2):
+        column().save(tmp_path / "p.npz")
+    assert len(set(parts)) == 2
 
 
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.9, 0.999])

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import dem.polish as polish_module
-from dem import ContactLaw, Drive, NotRelaxed, Scene, Settings, State, relax, step
+from dem import ContactLaw, Drive, History, NotRelaxed, Scene, Settings, State, relax, step
+from dem.neighbours import find_neighbours
 from dem.polish import PolishFailed, polish
 from dem.relax import _speed
 from dem.rest import backbone, fewest_contacts
@@ -112,6 +113,37 @@ def test_failed_polish_leaves_the_state_as_it_was():
 def test_residual_tolerance_is_obeyed():
     with pytest.raises(NotRelaxed, match=r"\(residual .* p\)"):
         relax(Scene(32, 1e-2), 1, settings=Settings(residual_tolerance=1e-30, longest=60))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_newton_may_stop_where_the_tolerance_says(monkeypatch, seed):
+    """Stopped at a residual between 1e-9 p and 1e-4 p (grains of a packing shifted by 1e-6 Δ, one
+    look and no more), the polish is done for a tolerance of 1e-4 and not for one of 1e-9."""
+    monkeypatch.setattr(polish_module, "ITERATIONS", 1)
+    p, law = packing(delta=1e-2, seed=seed), ContactLaw()
+    noise = 1e-8 * np.random.default_rng(seed).uniform(-1, 1, p.positions.shape)
+    history = History(p.pairs, p.images, p.tangential_forces / law.tangential)
+    for tolerance in (1e-4, 1e-9):
+        state = State(p.positions + noise, p.radii, cell=p.cell, history=history)
+        near = find_neighbours(state, 0.1)
+        if tolerance == 1e-4:
+            assert polish(state, near, law, p.pressure, tolerance).residual <= tolerance
+            continue
+        with pytest.raises(PolishFailed, match="the residual stays at"):
+            polish(state, near, law, p.pressure, tolerance)
+
+
+def test_tolerance_of_the_settings_is_that_of_newton(monkeypatch):
+    seen = []
+    real = polish_module.newton
+
+    def spy(balance, floor, good):
+        seen.append(good)
+        return real(balance, floor, good)
+
+    monkeypatch.setattr(polish_module, "newton", spy)
+    relax(Scene(24, 1e-1), 1, settings=Settings(residual_tolerance=1e-6), progress=False)
+    assert set(seen) == {1e-6 * 1e-1}
 
 
 def test_moves_too_long_to_be_linear_are_refused(monkeypatch):

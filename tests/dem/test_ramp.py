@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dem import History, NotRelaxed, Packing, Settings, ramp
+from dem import History, NotRelaxed, Packing, Settings, ramp, stiffen
 from scaling import ContactNetwork, reconstruct, relative_error
 from tests.conftest import packing
 from tests.dem.test_relax import balance
@@ -120,6 +120,21 @@ def triangle() -> Packing:
     )  # fmt: skip
 
 
+def sheared(p: Packing) -> Packing:
+    """The same packing, the cell described by other lattice vectors."""
+    cell, images = p.cell.copy(), p.images.copy()
+    cell[1] += cell[0]
+    images[:, 0] -= images[:, 1]
+    return replace(p, cell=cell, images=images)
+
+
+def loaded(p: Packing) -> Packing:
+    """A load that is still taken for round-off of the balance."""
+    external = np.zeros((len(p.radii), 3))
+    external[p.pairs[0, 0], 0] = 5e-3 * p.pressure
+    return replace(p, external=external)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -129,6 +144,13 @@ def triangle() -> Packing:
         ({"deltas": ["much"]}, "delta = 'much' is not a number"),
         ({"deltas": [1e-5], "settings": Settings(precision="float32")}, "float32 noise"),
         ({"packing": triangle()}, "this one has no cell"),
+        ({"deltas": 1e-3}, r"deltas = 0.001 is no series of Δ: write \[0.001\]"),
+        ({"packing": stiffen(packing(delta=1e-5), 1e-7)},
+         r"delta of the packing = 1e-07 is outside \[1e-06, 0.2\]"),
+        ({"packing": packing(delta=1e-5), "settings": Settings(precision="float32")},
+         "delta = 1e-05: .* float32 noise"),
+        ({"packing": sheared(packing())}, "is not a rectangle of positive sides: a ramp"),
+        ({"packing": loaded(packing())}, r"grain \d+ bears an external load; a ramp"),
         ({"packing": replace(
             packing(), stiffness=2.0, pressure=2e-3, normal_forces=2 * packing().normal_forces,
             tangential_forces=2 * packing().tangential_forces)}, "stiffness = 2"),
@@ -141,10 +163,60 @@ def test_wrong_ramps(change, message):
 
 
 def test_packing_of_unknown_origin_can_be_ramped():
-    """No scene in its info: grains, friction and Δ are in the arrays."""
+    """No scene in its info: grains, friction and Δ are in the arrays, k_t/κ is to be given.  It
+    is then on record; sizes and seed, which nobody knows, are not made up."""
     p = replace(packing(), info={})
-    (up,) = ramp(p, [2e-3], settings=QUICK, progress=False)
+    with pytest.raises(ValueError, match=r"does not record the k_t/κ .* give stiffness_ratio"):
+        ramp(p, [2e-3], settings=QUICK, progress=False)
+    (up,) = ramp(p, [2e-3], stiffness_ratio=0.5, settings=QUICK, progress=False)
     assert up.friction == p.friction
     assert up.delta == 2e-3
     (known,) = ramp(packing(), [2e-3], settings=QUICK, progress=False)
     assert np.array_equal(up.forces, known.forces)
+    assert up.info["stiffness_ratio"] == 0.5
+    assert "scene" not in up.info
+    assert "seed" not in up.info
+    (further,) = ramp(up, [3e-3], settings=QUICK, progress=False)  # from the record
+    assert further.info["stiffness_ratio"] == 0.5
+    with pytest.raises(ValueError, match=r"stiffness_ratio = -1\.0 is not"):
+        ramp(p, [2e-3], stiffness_ratio=-1, settings=QUICK, progress=False)
+
+
+def test_without_friction_there_is_no_spring_to_know():
+    p = replace(packing(friction=0.0), info={})
+    (up,) = ramp(p, [1.1e-3], settings=QUICK, progress=False)
+    assert up.friction == 0
+
+
+@pytest.mark.parametrize("friction", [0.5, 1.0])
+def test_friction_is_that_of_the_packing(friction):
+    """Not that of the scene it was made for: rougher grains, the same sizes and seed."""
+    (up,) = ramp(replace(packing(), friction=friction), [2e-3], settings=QUICK, progress=False)
+    assert up.friction == friction
+    assert up.info["scene"] == packing().info["scene"] | {"friction": friction, "delta": 2e-3}
+    assert up.info["seed"] == packing().info["seed"]
+
+
+def in_unit(p: Packing, length: float) -> Packing:
+    """The packing with lengths in another unit, κ and p the same."""
+    return replace(
+        p, positions=length * p.positions, radii=length * p.radii, cell=length * p.cell,
+        normal_forces=length * p.normal_forces, tangential_forces=length * p.tangential_forces,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_ramp_does_not_depend_on_the_unit_of_length(seed):
+    """Four, a power of two: the same digits.  Ten and a hundredth: another packing perhaps, after
+    the rounding, but at rest in its unit, after steps as many to a factor of five."""
+    p = packing(seed=seed)
+    (there,) = ramp(p, [2e-3], settings=QUICK, progress=False)
+    (four,) = ramp(in_unit(p, 4.0), [2e-3], settings=QUICK, progress=False)
+    assert np.array_equal(four.positions, 4 * there.positions)
+    assert np.array_equal(four.forces, 4 * there.forces)
+    for length in (10.0, 0.01):
+        (other,) = ramp(in_unit(p, length), [2e-3], settings=QUICK, progress=False)
+        assert other.radii == pytest.approx(length * p.radii, rel=4 * EPS)
+        assert other.residuals().max() <= 1e-9
+        assert 0.2 < other.info["steps"] / there.info["steps"] < 5
+        assert len(contacts(other) & contacts(p)) > 0.7 * len(p.pairs)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 
 import numpy as np
 import pytest
 
-from dem import NotRelaxed, Packing, Scene, Settings, relax
+from dem import ContactLaw, Drive, NotRelaxed, Packing, Scene, Settings, relax, step
 from tests.conftest import packing
 
 EPS = np.finfo(float).eps
@@ -104,6 +105,23 @@ def test_not_relaxed_carries_the_state_and_advice():
     assert caught.value.residual > 0
 
 
+def test_not_relaxed_travels_between_processes():
+    """Pickled it keeps message, numbers, notes and state, without the workspace of ``step``,
+    which is made anew: the motion goes on as it would have."""
+    with pytest.raises(NotRelaxed) as caught:
+        relax(Scene(32, 1e-2), 1, settings=Settings(longest=2.0), progress=False)
+    sent = caught.value
+    sent.add_note("from afar")
+    came = pickle.loads(pickle.dumps(sent))
+    assert (str(came), came.__notes__) == (str(sent), ["from afar"])
+    assert (came.speed, came.residual) == (sent.speed, sent.residual)
+    assert np.array_equal(came.state.positions, sent.state.positions)
+    assert came.state._near is came.state._forces is None
+    for state in (sent.state, came.state):
+        step(state, ContactLaw(), 0.1, drive=Drive(0.1, 1e-2), steps=20, skin=0.2)
+    assert np.abs(came.state.positions - sent.state.positions).max() <= 1e5 * EPS
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -112,6 +130,8 @@ def test_not_relaxed_carries_the_state_and_advice():
         ({"grains": float("nan")}, "grains = nan is not a whole number"),
         ({"grains": None}, "grains = None is not a whole number"),
         ({"delta": "small"}, "delta = 'small' is not a number"),
+        ({"delta": "1e-3"}, "delta = '1e-3' is not a number"),
+        ({"friction": True}, "friction = True is not a number"),
         ({"delta": 0.0}, r"delta = 0.0 is outside (0, 0.2]"),
         ({"delta": 0.21}, r"delta = 0.21 is outside (0, 0.2]"),
         ({"delta": float("nan")}, "delta = nan"),
@@ -138,6 +158,11 @@ def test_bad_scene(arguments, message):
         ({"skin": -1.0}, "skin = -1.0"),
         ({"dashpot": -1.0}, "dashpot = -1.0"),
         ({"velocity_tolerance": float("nan")}, "velocity_tolerance = nan"),
+        ({"time_step": "0.8"}, "time_step = '0.8' is not a number"),
+        ({"time_step": None}, "time_step = None is not a number"),
+        ({"longest": True}, "longest = True is not a number"),
+        ({"skin": np.False_}, "skin = np.False_ is not a number"),
+        ({"polish": "no"}, "polish = 'no' is neither True nor False"),
         ({"backend": "fortran"}, "backend = 'fortran' is not one of auto, numpy, numba"),
     ],
 )

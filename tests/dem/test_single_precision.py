@@ -124,6 +124,33 @@ def test_beyond_the_limit_nothing_comes_to_rest(monkeypatch):
             relax(Scene(48, 1e-6), 2, settings=settings, progress=False)
 
 
+def test_numbers_of_numpy_do_not_widen_float32(monkeypatch):
+    """A pressure or drag of type float64 leaves the grains in float32."""
+    kernel, seen = sys.modules["dem.numpy_kernel"], set()
+    real = kernel._pair_forces
+
+    def spy(motion, near, *args):
+        seen.add((motion.z[near.columns[0]] + near.shift * motion.scale).dtype)
+        return real(motion, near, *args)
+
+    monkeypatch.setattr(kernel, "_pair_forces", spy)
+    drive = Drive(np.float64(0.1), np.float64(1e-2))
+    step(
+        dense_gas(), ContactLaw(), 0.05, drive=drive, steps=5,
+        backend="numpy", precision="float32",
+    )  # fmt: skip
+    assert seen == {np.dtype(np.complex64)}
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_advice_names_the_other_precision(precision):
+    with pytest.raises(NotRelaxed) as caught:
+        relax(
+            Scene(32, 1e-2), 1, settings=Settings(longest=2.0, precision=precision), progress=False
+        )
+    assert ("precision = 'float64'" in str(caught.value)) == (precision == "float32")
+
+
 def test_float32_has_a_key_of_its_own():
     scene = Scene(48, 1e-2)
     double = packing_key(scene, 1, Settings(backend="numpy"))

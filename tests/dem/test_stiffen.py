@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
+import sys
 from contextlib import suppress
+from dataclasses import replace
 
 import mpmath
 import numpy as np
 import pytest
 
 import dem.ensemble as ensemble
-from dem import Packing, Scene, Settings, packing_key, refine, relax, stiffen
-from dem.polish import PolishFailed
+from dem import (
+    NotRelaxed,
+    Packing,
+    PolishFailed,
+    Scene,
+    Settings,
+    packing_key,
+    refine,
+    relax,
+    stiffen,
+)
 from tests.conftest import packing
 from tests.dem.test_packing import column
+from tests.dem.test_ramp import in_unit, loaded, sheared
 from tests.dem.test_relax import balance
 
 EPS = np.finfo(float).eps
+STIFFEN = sys.modules["dem.stiffen"]  # the name dem.stiffen is the function
 
 
 def exact_overlaps(p: Packing) -> list[mpmath.mpf]:
@@ -157,6 +170,92 @@ def test_wrong_continuations_are_refused():
         stiffen(packing(), 0.0)
     with pytest.raises(ValueError, match="periodic"):
         refine(column())
+    with pytest.raises(ValueError, match="delta = '1e-4' is not a number"):
+        stiffen(packing(), "1e-4")
+    for continued in (refine, lambda p: stiffen(p, 1e-4)):
+        with pytest.raises(ValueError, match=r"grain \d+ bears an external load; continuation"):
+            continued(loaded(packing()))
+        with pytest.raises(ValueError, match="rectangle of positive sides: continuation"):
+            continued(sheared(packing()))
+        with pytest.raises(ValueError, match="give stiffness_ratio"):
+            continued(replace(packing(), info={}))
+
+
+def test_springs_of_a_packing_of_unknown_origin_are_given():
+    known, given = (
+        stiffen(replace(packing(), info=info), 1e-5, **ratio)
+        for info, ratio in ((packing().info, {}), ({}, {"stiffness_ratio": 0.5}))
+    )
+    assert np.array_equal(known.forces, given.forces)
+    assert given.info["stiffness_ratio"] == 0.5
+
+
+def test_a_continued_packing_is_on_record_at_its_own_delta():
+    p = packing()
+    before = dict(p.info["scene"])
+    assert stiffen(p, 1e-5).info["scene"] == before | {"delta": 1e-5}
+    assert p.info["scene"] == before
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_continuation_does_not_depend_on_the_unit_of_length(seed):
+    """The same digits in a unit four times as long; in others the same forces, but for the
+    rounding of the start, ε L/Δ p times the softness."""
+    p = packing(seed=seed)
+    one, four = stiffen(p, 1e-5), stiffen(in_unit(p, 4.0), 1e-5)
+    assert np.array_equal(four.positions_low, 4 * one.positions_low)
+    assert np.array_equal(four.forces, 4 * one.forces)
+    for length in (10.0, 0.01):
+        other = refine(in_unit(p, length))
+        assert np.abs(other.forces / length - refine(p).forces).max() <= 1e-7 * p.pressure
+
+
+def test_the_final_residual_is_looked_at(monkeypatch):
+    """Forces spoilt after Newton's method are not handed on."""
+    real = STIFFEN.newton
+
+    def spoilt(*args):
+        trial, spent = real(*args)
+        return replace(trial, normal=trial.normal * np.linspace(1, 1 + 1e-9, len(trial.r))), spent
+
+    monkeypatch.setattr(STIFFEN, "newton", spoilt)
+    with pytest.raises(PolishFailed, match=r"the residual is .* p, allowed 1e-11"):
+        refine(packing())
+
+
+def test_contacts_missed_by_a_continuation_are_found(monkeypatch):
+    """The list that Newton used lacks a pair that overlaps in the end: PolishFailed, and
+    NotRelaxed from ``relax``, which says where and carries the packing it came from."""
+    real = STIFFEN.refuse_missed_contacts
+
+    def blind(state, near):
+        deepest = int(np.argmax(near.sigma - np.abs(near.branches(state))))
+        keep = np.arange(len(near.pairs)) != deepest
+        real(state, replace(near, pairs=near.pairs[keep], images=near.images[keep]))
+
+    monkeypatch.setattr(STIFFEN, "refuse_missed_contacts", blind)
+    for continued in (refine, lambda p: stiffen(p, 1e-4)):
+        with pytest.raises(PolishFailed, match="not on the neighbour list"):
+            continued(packing())
+    with pytest.raises(NotRelaxed, match=r"Δ = 1e-08, N = 24, seed 1: .*list") as caught:
+        relax(Scene(24, 1e-8), 1, progress=False)
+    assert len(caught.value.state.radii) == 24
+    assert caught.value.residual <= 1e-9
+
+
+def test_singular_matrices_are_failures_of_the_polish(monkeypatch):
+    def singular(matrix):
+        raise RuntimeError("Factor is exactly singular")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("dem.tangent.splu", singular)
+        with pytest.raises(PolishFailed, match="exactly singular"):
+            refine(packing(delta=1e-5))
+        with pytest.raises(NotRelaxed, match="exactly singular"):
+            relax(Scene(24, 1e-1), 1, settings=Settings(longest=60.0), progress=False)
+    monkeypatch.setattr(STIFFEN, "splu", singular)
+    with pytest.raises(PolishFailed, match="exactly singular"):
+        stiffen(packing(), 1e-4)
 
 
 def test_keys_of_continued_packings_are_their_own(monkeypatch):

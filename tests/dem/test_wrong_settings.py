@@ -88,7 +88,7 @@ def test_velocity_tolerance_that_stops_before_rest_is_refused(tolerance):
 
 def test_a_missed_contact_is_found(monkeypatch):
     """The audit of the final list: take one force-bearing pair off it."""
-    settle = RELAX._refuse_missed_contacts
+    settle = RELAX.refuse_missed_contacts
 
     def blind(state, near):
         r = np.abs(near.branches(state))
@@ -97,7 +97,7 @@ def test_a_missed_contact_is_found(monkeypatch):
         near.pairs, near.images = near.pairs[keep], near.images[keep]
         settle(state, near)
 
-    monkeypatch.setattr(RELAX, "_refuse_missed_contacts", blind)
+    monkeypatch.setattr(RELAX, "refuse_missed_contacts", blind)
     with pytest.raises(NotRelaxed, match=r"were not on the neighbour list: take a wider skin"):
         relax(SCENE, 1, progress=False)
 
@@ -107,7 +107,7 @@ def test_a_grain_inside_another_is_found(monkeypatch):
         state.radii[0] *= 3
         _audit(state, near)
 
-    _audit = RELAX._refuse_missed_contacts
-    monkeypatch.setattr(RELAX, "_refuse_missed_contacts", tunnelled)
+    _audit = RELAX.refuse_missed_contacts
+    monkeypatch.setattr(RELAX, "refuse_missed_contacts", tunnelled)
     with pytest.raises(NotRelaxed, match=r"holds the centre|were not on the neighbour list"):
         relax(SCENE, 1, progress=False)
