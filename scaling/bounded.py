@@ -15,7 +15,12 @@ The prior: mean f̄ = 2 p A/Σ r, a = 1 and b = 1/2. For ξ << Δ
 the data decide, for ξ >> Δ what is left is the prior among the states that balance, so the
 error saturates where that of linear estimates grows as ξ/Δ.
 
-On open networks p is not needed: the loads say 2 p A = -Σ x·F.
+The pressure needs lengths, and takes those that are data: r̃ for data="all"; for data="sizes"
+r = σ̃ - f_n/κ, made linear at the forces of the pass before, for r = σ̃ errs by Δ; and for
+ξ = ∞, where neither is known, ⟨σ⟩ for all: Σ f_n is then off by several percent, as contacts
+between large grains carry more, which is little beside everything else that is unknown.
+
+On open networks p is not needed: that the loads are balanced says Σ f_n r = 2 p A = -Σ x·F.
 """
 
 from __future__ import annotations
@@ -40,7 +45,7 @@ if TYPE_CHECKING:
 class Prior:
     """What forces are before any geometry is measured, in units of f̄.
 
-    mean : of f_n; normal, tangential : standard deviations of f_n and f_t, positive
+    mean : of f_n, finite; normal, tangential : standard deviations of f_n and f_t, positive
     """
 
     mean: float = 1.0
@@ -48,6 +53,8 @@ class Prior:
     tangential: float = 0.5
 
     def __post_init__(self) -> None:
+        if not np.isfinite(self.mean):
+            raise ValueError(f"prior: mean = {self.mean} is not finite")
         for name in ("normal", "tangential"):
             width = getattr(self, name)
             if not (np.isfinite(width) and width > 0):
@@ -68,16 +75,36 @@ class Posterior:
     gaps: bool = False
 
     @property
+    def lengths(self) -> Floats:
+        """r (c,) as far as data go without forces: r̃, σ̃ if sizes are all, ⟨σ⟩ if nothing is."""
+        network = self.equation.network
+        if self.noise is None:
+            return np.full(network.contacts, network.mean_diameter)
+        return network.distances if self.data == "all" else network.sigma
+
+    @property
     def mean_force(self) -> float:
-        """f̄ = Σ f_n r/Σ r."""
-        return self.virial / float(_lengths(self.equation.network).sum())
+        """f̄ = Σ f_n r/Σ r, the unit of the programme and the mean of the prior."""
+        return self.virial / float(self.lengths.sum())
 
 
 def virial_of(network: ContactNetwork, pressure: float | None) -> float:
-    """Σ f_n r: 2 p A of a periodic cell, -Σ x·F of the loads if open. ValueError else."""
+    """Σ f_n r: 2 p A of a periodic cell, -Σ x·F of the loads if open.
+
+    ValueError else, and for a periodic cell with loads: what they add to Σ f_n r depends on
+    where the cell is cut.
+    """
     if network.cell is not None:
         if pressure is None or not (np.isfinite(pressure) and pressure > 0):
             raise ValueError(f"pressure {pressure}: a periodic network needs a positive one")
+        pushed = network.external[:, :2].any(axis=1)
+        if pushed.any():
+            i = int(np.argmax(pushed))
+            F = network.external[i, :2]
+            raise ValueError(
+                f"the pressure of a periodic cell does not give Σ f_n r with loads: grain {i} has "
+                f"({F[0]:.3g}, {F[1]:.3g}), one of {pushed.sum()}"
+            )
         return 2 * pressure * abs(float(np.linalg.det(network.cell)))
     if pressure is not None:
         raise ValueError("method 'bounded' does not use pressure if the network is open")
@@ -95,31 +122,37 @@ def flat_guess(network: ContactNetwork, pressure: float | None = None) -> Floats
     return np.concatenate([fn, np.zeros_like(fn)])
 
 
-def bounded_forces(
-    posterior: Posterior, shift: tuple[Floats, Floats] | None = None
-) -> tuple[Floats, Floats, dict[str, Any]]:
+def bounded_forces(posterior: Posterior) -> tuple[Floats, Floats, dict[str, Any]]:
     """(f, η, the solver's report) at the maximum of the posterior.
 
-    `shift` moves the data and the prior mean by noise of their own size, (k,) and (2c,)
-    standard normals: see `scaling.credible`. Where noisy positions leave nothing feasible, the
-    second order of the distances is let in as noise of its own (report: curved). ValueError:
-    clarabel missing, or nothing feasible; RuntimeError: clarabel breaks down.
+    Where noisy positions leave nothing feasible, the second order of the distances is let in as
+    noise of its own (report: curved). ValueError: clarabel missing, or nothing feasible;
+    RuntimeError: clarabel breaks down.
     """
     try:
-        return _passes(posterior, shift, curved=False)
+        return passes(posterior, curved=False)
     except ValueError:
         if posterior.noise is None or not posterior.noise.moves:
             raise
-    return _passes(posterior, shift, curved=True)
+    return passes(posterior, curved=True)
 
 
-def _passes(
-    posterior: Posterior, shift: tuple[Floats, Floats] | None, curved: bool
+Shift = tuple[Floats, Floats, Floats]
+"""Standard normals by which data, prior mean and second order move, (k,), (n,) and (c,)."""
+
+
+def passes(
+    posterior: Posterior, curved: bool, shift: Shift | None = None
 ) -> tuple[Floats, Floats, dict[str, Any]]:
+    """`bounded_forces` with the second order of distances, or without.
+
+    `shift` moves every Gaussian by noise of its own size: see `scaling.credible`.
+    """
     f, noise = np.zeros(posterior.equation.unknowns), posterior.noise
     f[: posterior.equation.network.contacts] = posterior.mean_force
-    passes = 2 if noise is not None and noise.moves else 1
-    for _ in range(passes):  # the turning of directions is linear at the forces of the last pass
+    twice = noise is not None and (noise.moves or posterior.data == "sizes")
+    # What directions turn by, or r = σ - f_n/κ, is linear at the forces of the last pass.
+    for _ in range(2 if twice else 1):
         task = programme(posterior, f, shift, curved)
         z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
         f, η = task.forces(z), task.noise(z)
@@ -155,16 +188,17 @@ class Programme:
 def programme(
     p: Posterior,
     last: Floats,
-    shift: tuple[Floats, Floats] | None = None,
+    shift: Shift | None = None,
     curved: bool = False,
 ) -> Programme:
     """The programme of a posterior, with the turning of directions at the forces `last`; if
     `curved` with the second order of distances too, see `_curvature`."""
     equation, f0, c, n = p.equation, p.mean_force, p.equation.network.contacts, p.equation.unknowns
     k = 0 if p.noise is None else p.noise.count
-    # g η: unit prior of η for weak noise, unit effect on f/f̄ for strong noise.
+    # Effect of η on f/f̄, and g η: unit prior for weak noise, unit effect for strong noise.
     strength = 0.0 if p.noise is None else p.stiffness * p.noise.xi / f0
-    g = max(1.0, strength)
+    scatter = strength * _scatter(p)
+    g = max(1.0, float(np.sqrt(np.mean(scatter**2))))
     η0, width, mean = np.zeros(k), np.full(n, float(p.prior.normal)), np.zeros(n)
     width[c:] = p.prior.tangential
     mean[:c] = p.prior.mean
@@ -180,36 +214,45 @@ def programme(
         gaps = csr_array(-eye_array(c))
     slack, g_slack = csr_array((len(found), 0)), 1.0
     if curved:
-        bias, scatter = _curvature(p)
-        g_slack = max(1.0, float(scatter.max()))
-        found, slack = found + bias, csr_array(diags_array(-scatter / g_slack))
+        bias, spread = _curvature(p)
+        g_slack = max(1.0, float(spread.max()))
+        found, slack = found + bias, csr_array(diags_array(-spread / g_slack))
+        if shift is not None:
+            found = found - spread * shift[2]
     s, v, w = moments.shape[1], gaps.shape[1], slack.shape[1]
-    r = _lengths(equation.network)
-    unit = np.linalg.norm(r)  # the pressure row has c entries: made to weigh like one contact
-    pressure = csr_array((r / unit, (np.zeros(c, dtype=int), np.arange(c))), shape=(1, n))
+    pressure, virial = _pressure(p, last)
     widths = (k, s, v, w)
     equal = block_array(
         [
             [equation.M, turning, moments, *_zeros(equation.M.shape[0], widths[2:])],
             [data, effect, *_zeros(len(found), widths[1:2]), gaps, slack],
-            [pressure, *_zeros(1, widths)],
+            [pressure, *_zeros(len(virial), widths)],
         ]
     )
-    b = [equation.balance_rhs() / f0 + turning @ η0, found + effect @ η0, [p.virial / f0 / unit]]
+    b = [equation.balance_rhs() / f0 + turning @ η0, found + effect @ η0, virial]
     limits = _cone(c, p.friction, equation.frictional)
     shut = [csr_array((v, n)), *_zeros(v, (k, s)), -eye_array(v), *_zeros(v, (w,))]
     cone = block_array([[limits, *_zeros(limits.shape[0], widths)], shut])
     P = np.concatenate(
         [width**-2.0, np.full(k, g**-2.0), np.zeros(s + v), np.full(w, g_slack**-2.0)]
     )
-    # A gap has an exponential prior of mean √2 ξ, the scatter of the distance of two centres.
-    price = 1 / (np.sqrt(2) * strength) if p.gaps else 0.0
-    q = np.concatenate([-mean / width**2, np.zeros(k + s), np.full(v, price), np.zeros(w)])
+    # A gap has an exponential prior of the mean by which the overlap scatters.
+    price = 1 / scatter if p.gaps else np.zeros(v)
+    q = np.concatenate([-mean / width**2, np.zeros(k + s), price, np.zeros(w)])
     first = equation.M.shape[0]
     explicit = slice(first, first + (c if p.noise is not None and p.data == "all" else 0))
     return Programme(
         P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit
     )  # fmt: skip
+
+
+def _scatter(p: Posterior) -> Floats:
+    """(c,) standard deviations of the overlaps over ξ, a length; zeros if nothing is known."""
+    network = p.equation.network
+    if p.noise is None:
+        return np.zeros(network.contacts)
+    B = p.noise.overlaps(network)
+    return np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
 
 
 def _zeros(rows: int, columns: tuple[int, ...]) -> list[csr_array]:
@@ -248,6 +291,22 @@ def _data(
     return turning, equation.matrices.closure, csr_array(equation.Q @ B), t
 
 
+def _pressure(p: Posterior, last: Floats) -> tuple[csr_array, Floats]:
+    """The row of Σ f_n r = 2 p A for f/f̄, and its right-hand side; none on open networks, where
+    balance implies it. With r = σ - f_n/κ it is linear at the forces `last`:
+    f_n² = 2 f_n f_last - f_last² up to the square of what changes."""
+    network, n, f0, r = p.equation.network, p.equation.unknowns, p.mean_force, p.lengths
+    if network.cell is None:
+        return csr_array((0, n)), np.zeros(0)
+    c, virial = network.contacts, p.virial
+    if p.noise is not None and p.data == "sizes":
+        before = last[:c]
+        r, virial = r - 2 * before / p.stiffness, virial - float(before @ before) / p.stiffness
+    unit = np.linalg.norm(r)  # the row has c entries: made to weigh like one contact
+    row = csr_array((r / unit, (np.zeros(c, dtype=int), np.arange(c))), shape=(1, n))
+    return row, np.array([virial / f0 / unit])
+
+
 def _cone(contacts: int, friction: float, frictional: bool) -> csr_array:
     """Rows whose product with f must not be positive: ±f_t - μ f_n, or -f_n."""
     one = eye_array(contacts)
@@ -265,7 +324,7 @@ def _lengths(network: ContactNetwork) -> Floats:
 def posterior(
     network: ContactNetwork,
     stiffness: float,
-    friction: float,
+    friction: float | None,
     noise: Sources | None,
     *,
     pressure: float | None = None,
@@ -274,18 +333,28 @@ def posterior(
     prior: Prior | None = None,
     gaps: bool = False,
 ) -> Posterior:
-    """Collect a posterior; `noise` None means that sizes are not known at all (ξ = ∞).
+    """Collect a posterior; `noise` None means that neither sizes nor distances are known (ξ = ∞).
 
-    With `gaps` (for data="all") a contact of the list may be open, f_n = κ (σ - r + gap) with
-    gap >= 0: for lists inferred from the geometry, where some are false.
+    `friction` is not used, and may be None, with frictional=False. With `gaps` (for data="all")
+    a contact of the list may be open, f_n = κ (σ - r + gap) with gap >= 0 of exponential prior,
+    its mean the standard deviation of σ̃ - r̃: for lists inferred from the geometry, where some
+    are false. ValueError: bad input, or gaps where a contact is known without noise.
     """
+    if not (np.isfinite(stiffness) and stiffness > 0):
+        raise ValueError(f"stiffness {stiffness}: it must be positive")
+    if data not in ("all", "sizes"):
+        raise ValueError(f"data {data!r}: choose 'all' or 'sizes'")
     if gaps and (data != "all" or noise is None):
         raise ValueError("gaps are for data='all' with noise of finite strength")
+    if friction is None:
+        if frictional:
+            raise ValueError("a posterior with friction needs the friction coefficient")
+        friction = 0.0
     if not (np.isfinite(friction) and friction >= 0):
         raise ValueError(f"friction {friction}: it cannot be negative")
     if data == "sizes" and noise is not None and noise.moves:
         raise ValueError("data='sizes' takes directions as exact: position noise needs data='all'")
-    return Posterior(
+    collected = Posterior(
         force_equation(network, frictional),
         stiffness,
         noise,
@@ -295,3 +364,7 @@ def posterior(
         Prior() if prior is None else prior,
         gaps,
     )
+    if gaps and not _scatter(collected).all():
+        e = int(np.argmin(_scatter(collected)))
+        raise ValueError(f"gaps: the overlap of contact {e} is known without noise")
+    return collected

@@ -35,9 +35,13 @@ def truncated_draws(
 ) -> Floats:
     """(draws, 2c) forces, successive states of the chain after `burn_in` trajectories.
 
-    Directions turn linearly at the forces of the maximum. ValueError: nothing is feasible, or
-    contacts that may be open (gaps have no Gaussian prior).
+    Directions turn linearly at the forces of the maximum. ValueError: nothing is feasible,
+    contacts that may be open (gaps have no Gaussian prior), less than one draw, burn_in negative.
     """
+    if draws < 1:
+        raise ValueError(f"draws = {draws}: at least one is needed")
+    if burn_in < 0:
+        raise ValueError(f"burn_in = {burn_in}: it cannot be negative")
     if posterior.gaps:
         raise ValueError("exact draws are for a Gaussian prior: gaps=True has another")
     forces, _, report = bounded_forces(posterior)

@@ -66,8 +66,7 @@ def test_draws_of_a_packing_satisfy_everything(ratio):
     c, mean = len(p.pairs), problem.mean_force
     assert f[:, :c].min() > 0
     assert (abs(f[:, c:]) - p.friction * f[:, :c]).max() < 1e-7 * mean
-    r = problem.equation.network.distances
-    assert f[:, :c] @ r == pytest.approx(problem.virial, rel=1e-7)
+    assert f[:, :c] @ problem.lengths == pytest.approx(problem.virial, rel=1e-7)
     if np.isinf(ratio):
         assert abs(force_equation(problem.equation.network).M @ f.T).max() < 1e-6 * mean
 
@@ -129,6 +128,17 @@ def test_open_contacts_have_no_gaussian_prior():
                       pressure=p.pressure, gaps=True)  # fmt: skip
     with pytest.raises(ValueError, match="gaps=True has another"):
         truncated_draws(open_, np.random.default_rng(0), 1)
+
+
+@pytest.mark.parametrize(
+    ("draws", "burn_in", "message"),
+    [(0, 0, "draws = 0"), (-5, 20, "draws = -5"), (3, -5, "burn_in = -5")],
+)
+def test_numbers_of_draws_are_checked(draws, burn_in, message):
+    with pytest.raises(ValueError, match=message):
+        truncated_draws(
+            problem_of(packing(), 1.0), np.random.default_rng(0), draws, burn_in=burn_in
+        )
 
 
 def test_flights_end_inside_however_narrow():
