@@ -15,10 +15,12 @@ The prior: mean f̄ = 2 p A/Σ r, a = 1 and b = 1/2. For ξ << Δ
 the data decide, for ξ >> Δ what is left is the prior among the states that balance, so the
 error saturates where that of linear estimates grows as ξ/Δ.
 
-The pressure needs lengths, and takes those that are data: r̃ for data="all"; for data="sizes"
-r = σ̃ - f_n/κ, made linear at the forces of the pass before, for r = σ̃ errs by Δ; and for
-ξ = ∞, where neither is known, ⟨σ⟩ for all: Σ f_n is then off by several percent, as contacts
-between large grains carry more, which is little beside everything else that is unknown.
+Where distances are no data, in data="sizes" and for ξ = ∞, the pressure needs none: directions
+are exact then, and the sum over branches r n = x_j - x_i + H is, for forces that balance,
+
+    Σ f_n r = Σ (f_n n - f_t t) · (r n) = Σ (f_n n - f_t t) · H
+
+with H the lattice vector that a contact crosses: the force across the sides of the cell.
 
 On open networks p is not needed: that the loads are balanced says Σ f_n r = 2 p A = -Σ x·F.
 """
@@ -76,7 +78,7 @@ class Posterior:
 
     @property
     def lengths(self) -> Floats:
-        """r (c,) as far as data go without forces: r̃, σ̃ if sizes are all, ⟨σ⟩ if nothing is."""
+        """r (c,) as far as data go: r̃, or σ̃ if sizes are all, or ⟨σ⟩ if nothing is."""
         network = self.equation.network
         if self.noise is None:
             return np.full(network.contacts, network.mean_diameter)
@@ -150,9 +152,8 @@ def passes(
     """
     f, noise = np.zeros(posterior.equation.unknowns), posterior.noise
     f[: posterior.equation.network.contacts] = posterior.mean_force
-    twice = noise is not None and (noise.moves or posterior.data == "sizes")
-    # What directions turn by, or r = σ - f_n/κ, is linear at the forces of the last pass.
-    for _ in range(2 if twice else 1):
+    count = 2 if noise is not None and noise.moves else 1
+    for _ in range(count):  # the turning of directions is linear at the forces of the last pass
         task = programme(posterior, f, shift, curved)
         z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
         f, η = task.forces(z), task.noise(z)
@@ -220,7 +221,7 @@ def programme(
         if shift is not None:
             found = found - spread * shift[2]
     s, v, w = moments.shape[1], gaps.shape[1], slack.shape[1]
-    pressure, virial = _pressure(p, last)
+    pressure, virial = _pressure(p)
     widths = (k, s, v, w)
     equal = block_array(
         [
@@ -291,20 +292,23 @@ def _data(
     return turning, equation.matrices.closure, csr_array(equation.Q @ B), t
 
 
-def _pressure(p: Posterior, last: Floats) -> tuple[csr_array, Floats]:
-    """The row of Σ f_n r = 2 p A for f/f̄, and its right-hand side; none on open networks, where
-    balance implies it. With r = σ - f_n/κ it is linear at the forces `last`:
-    f_n² = 2 f_n f_last - f_last² up to the square of what changes."""
-    network, n, f0, r = p.equation.network, p.equation.unknowns, p.mean_force, p.lengths
+def _pressure(p: Posterior) -> tuple[csr_array, Floats]:
+    """The row of Σ f_n r = 2 p A for f/f̄, and its right-hand side: of r̃ where they are data, else
+    of the forces that cross the sides of the cell. None on open networks, where balance implies
+    it."""
+    network, n = p.equation.network, p.equation.unknowns
     if network.cell is None:
         return csr_array((0, n)), np.zeros(0)
-    c, virial = network.contacts, p.virial
-    if p.noise is not None and p.data == "sizes":
-        before = last[:c]
-        r, virial = r - 2 * before / p.stiffness, virial - float(before @ before) / p.stiffness
-    unit = np.linalg.norm(r)  # the row has c entries: made to weigh like one contact
-    row = csr_array((r / unit, (np.zeros(c, dtype=int), np.arange(c))), shape=(1, n))
-    return row, np.array([virial / f0 / unit])
+    row = np.zeros(n)
+    if p.noise is not None and p.data == "all":
+        row[: network.contacts] = network.distances
+    else:
+        crossed = network.images @ network.cell
+        row[: network.contacts] = np.sum(network.normals * crossed, axis=1)
+        if p.equation.frictional:
+            row[network.contacts :] = -np.sum(network.tangents * crossed, axis=1)
+    unit = np.linalg.norm(row)  # it has up to 2c entries: made to weigh like one contact
+    return csr_array(row[None] / unit), np.array([p.virial / p.mean_force / unit])
 
 
 def _cone(contacts: int, friction: float, frictional: bool) -> csr_array:
