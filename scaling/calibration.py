@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaling import balanced, checks
-from scaling.bounded import virial_of
 from scaling.checks import Floats
 from scaling.equation import force_equation
 from scaling.network import ContactNetwork
+from scaling.posterior import virial_of
 from scaling.propagation import is_frictional
 
 

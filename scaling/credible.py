@@ -20,8 +20,9 @@ from dataclasses import replace
 import numpy as np
 
 from scaling import checks
-from scaling.bounded import Posterior, Prior, bounded_forces, passes
+from scaling.bounded import bounded_forces, passes
 from scaling.checks import Floats
+from scaling.posterior import Posterior, Prior
 from scaling.truncated import truncated_draws
 
 SPREAD = 2.0

@@ -14,9 +14,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import cholesky, qr, solve_triangular
 
-from scaling.bounded import Posterior, Programme, bounded_forces, programme
+from scaling.bounded import bounded_forces
 from scaling.checks import Floats
 from scaling.convex import minimise
+from scaling.posterior import Posterior
+from scaling.programme import Programme, programme
 
 _MARGINS = 10.0 ** -np.arange(1.0, 8.0)
 """Distances from the walls, in f̄, at which a start is looked for."""

@@ -19,6 +19,7 @@ from scaling import (
     force_equation,
     mean_force,
     perturb,
+    programme,
     reconstruct,
     relative_error,
     to_pressure,
@@ -203,13 +204,13 @@ def test_no_grain_has_to_balance_in_wrong_directions(monkeypatch):
         assert relative_error(forces, p.forces) < 0.8 * relative_error(flat, p.forces)
         first_order += not report["curved"]
         problems.append(problem)
-    data = bounded._data
+    data = programme._data
 
     def strict(*arguments):
         turning, *rest = data(*arguments)
         return csr_array(turning.shape), *rest
 
-    monkeypatch.setattr(bounded, "_data", strict)
+    monkeypatch.setattr(programme, "_data", strict)
     refused = 0
     for problem in problems:
         with suppress(ValueError):
