@@ -136,3 +136,13 @@ def test_the_growth_with_size_has_the_error_it_claims():
     _, wide, reduced = estimators.growth(counts, off, errors)
     close = estimators.growth(counts, off, 100 * errors)
     assert wide == pytest.approx(close[1] / 100 * np.sqrt(reduced), rel=1e-6)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_coverage_is_measured_with_and_without_friction(friction):
+    """Shares within [0, 1], the wider interval encloses more, and the true scatter is the true."""
+    p = packing(grains=24, delta=1e-2, friction=friction)
+    ninety, half, width, mean, best, _, true = estimators._covered(p, 1e-2, "projected", 2.0)
+    assert 0 <= half < ninety <= 1
+    assert min(width, mean, best) > 0
+    assert true == pytest.approx(p.normal_forces.std() / p.normal_forces.mean())
