@@ -23,10 +23,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scaling import balanced, checks
-from scaling.bounded import virial_of
 from scaling.checks import Floats
 from scaling.equation import force_equation
 from scaling.network import ContactNetwork
+from scaling.posterior import virial_of
+from scaling.propagation import is_frictional
 
 
 def rescaled(
@@ -127,12 +128,14 @@ def forces_of_overlaps(
 def to_pressure(network: ContactNetwork, forces: ArrayLike, pressure: float) -> Floats:
     """`forces` times the factor that makes Σ f_n r = 2 p A of a periodic cell.
 
-    ValueError: the network is open, the pressure not positive, or the forces do not push.
+    `forces`: (2c,) f_n then f_t, or (c,) f_n alone. ValueError: the network is open or has loads,
+    the pressure is not positive, the forces are not finite, too many or too few, or do not push.
     """
     if network.cell is None:
         raise ValueError("to_pressure needs a periodic cell: loads fix the scale of an open one")
     target = virial_of(network, pressure)
-    f = np.asarray(forces, dtype=float)
+    size = network.contacts * (1 + is_frictional(network, forces))
+    f = checks.finite("force", "component", forces, (size,))
     virial = float(f[: network.contacts] @ network.distances)
     if not virial > 0:
         raise ValueError(f"the forces do not push: Σ f_n r = {virial:.3g}")

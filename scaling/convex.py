@@ -34,7 +34,8 @@ def minimise(
     largest violation. Status "Solved": to clarabel's 1e-8; "AlmostSolved" or
     "InsufficientProgress": no attempt did better, conditions hold to `tolerance` only.
     ValueError: clarabel is missing, or nothing satisfies the conditions (certified by two
-    attempts); RuntimeError: every attempt broke down, which says nothing about the conditions.
+    attempts, and no other came close); RuntimeError: every attempt broke down, which says nothing
+    about the conditions.
     """
     if find_spec("clarabel") is None:
         raise ValueError("method 'bounded' needs clarabel: pip install 'packing-forces[convex]'")
@@ -47,7 +48,7 @@ def minimise(
         solution = _attempt(P, q, A, limits, m, regularisation, equilibrate)
         status, z = str(solution.status), np.array(solution.x)
         statuses.append(status)
-        if statuses.count(_NOTHING) > 1:
+        if statuses.count(_NOTHING) > 1 and best is None:
             raise ValueError(
                 "no forces satisfy balance, friction and pressure together: clarabel says "
                 f"{status} after {solution.iterations} iterations; "

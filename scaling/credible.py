@@ -1,11 +1,11 @@
 """Credible intervals per contact, by randomising and optimising again.
 
-For a Gaussian posterior the maximum found with data and prior mean shifted by noise of their
-own size is an exact draw (Bardsley, Solonen, Haario and Laine, SIAM J. Sci. Comput. 36, A1895
-(2014)); constraints are kept in every draw, so mass that the Gaussian has outside is put on
-the boundary. That is an approximation, exact draws of the truncated Gaussian
-(`scaling.truncated`, method="exact") are at hand; the intervals are quantiles of either, and their
-coverage has to be, and is, measured (docs/estimators.md).
+For a Gaussian posterior the maximum found with data, prior mean and, where it is let in, the
+second order of distances shifted by noise of their own size is an exact draw (Bardsley, Solonen,
+Haario and Laine, SIAM J. Sci. Comput. 36, A1895 (2014)); constraints are kept in every draw, so
+mass that the Gaussian has outside is put on the boundary. That is an approximation, exact draws
+of the truncated Gaussian (`scaling.truncated`, method="exact") are at hand; the intervals are
+quantiles of either, and their coverage has to be, and is, measured (docs/estimators.md).
 
 It turns out that the exact ones enclose less: where constraints decide, what fails is the prior.
 Independent forces that balance are more alike than those of packings, whose f_n spread by
@@ -19,24 +19,39 @@ from dataclasses import replace
 
 import numpy as np
 
-from scaling.bounded import Posterior, Prior, bounded_forces
+from scaling import checks
+from scaling.bounded import bounded_forces, passes
 from scaling.checks import Floats
+from scaling.posterior import Posterior, Prior
 from scaling.truncated import truncated_draws
 
 SPREAD = 2.0
 
 
 def posterior_draws(posterior: Posterior, rng: np.random.Generator, draws: int) -> Floats:
-    """(draws, 2c) forces: all satisfy balance, friction and pressure."""
+    """(draws, 2c) forces: all satisfy balance, friction and pressure.
+
+    All draws are of one model: with the second order of distances if the maximum needs it, or if
+    one of them does. ValueError: nothing is feasible, or contacts that may be open (shifting
+    says nothing about the exponential prior of gaps).
+    """
     if draws < 1:
         raise ValueError(f"draws = {draws}: at least one is needed")
+    if posterior.gaps:
+        raise ValueError("projected draws are for a Gaussian prior: gaps=True has another")
     k = 0 if posterior.noise is None else posterior.noise.count
-    n = posterior.equation.unknowns
-    found = []
+    sizes = k, posterior.equation.unknowns, posterior.equation.network.contacts
+    shifts = []
     for child in rng.spawn(draws):
-        shift = child.standard_normal(k), child.standard_normal(n)
-        found.append(bounded_forces(posterior, shift)[0])
-    return np.array(found)
+        data, prior, second = map(child.standard_normal, sizes)
+        shifts.append((data, prior, second))
+    curved = bounded_forces(posterior)[2]["curved"]
+    try:
+        return np.array([passes(posterior, curved, s)[0] for s in shifts])
+    except ValueError:
+        if curved or posterior.noise is None or not posterior.noise.moves:
+            raise
+    return np.array([passes(posterior, True, s)[0] for s in shifts])
 
 
 def widened(posterior: Posterior, spread: float = SPREAD) -> Posterior:
@@ -85,5 +100,11 @@ def enclosing(sample: Floats, level: float) -> tuple[Floats, Floats]:
 
 
 def coverage(low: Floats, high: Floats, true: Floats, slack: float = 0.0) -> float:
-    """Fraction of `true` between `low` and `high`; `slack` covers the solver's tolerance."""
+    """Fraction of `true` between `low` and `high`; `slack` covers the solver's tolerance.
+
+    ValueError: the three do not have one shape, or are not finite.
+    """
+    true = checks.finite("true force", "component", true, np.shape(true))
+    low = checks.finite("lower end", "component", low, true.shape)
+    high = checks.finite("upper end", "component", high, true.shape)
     return float(np.mean((true >= low - slack) & (true <= high + slack)))

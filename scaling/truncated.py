@@ -14,9 +14,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import cholesky, qr, solve_triangular
 
-from scaling.bounded import Posterior, Programme, bounded_forces, programme
+from scaling.bounded import bounded_forces
 from scaling.checks import Floats
 from scaling.convex import minimise
+from scaling.posterior import Posterior
+from scaling.programme import Programme, programme
 
 _MARGINS = 10.0 ** -np.arange(1.0, 8.0)
 """Distances from the walls, in f̄, at which a start is looked for."""
@@ -35,9 +37,13 @@ def truncated_draws(
 ) -> Floats:
     """(draws, 2c) forces, successive states of the chain after `burn_in` trajectories.
 
-    Directions turn linearly at the forces of the maximum. ValueError: nothing is feasible, or
-    contacts that may be open (gaps have no Gaussian prior).
+    Directions turn linearly at the forces of the maximum. ValueError: nothing is feasible,
+    contacts that may be open (gaps have no Gaussian prior), less than one draw, burn_in negative.
     """
+    if draws < 1:
+        raise ValueError(f"draws = {draws}: at least one is needed")
+    if burn_in < 0:
+        raise ValueError(f"burn_in = {burn_in}: it cannot be negative")
     if posterior.gaps:
         raise ValueError("exact draws are for a Gaussian prior: gaps=True has another")
     forces, _, report = bounded_forces(posterior)

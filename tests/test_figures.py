@@ -15,7 +15,7 @@ from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7, table1
 from paper_figs.packings import DELTAS, FULL, QUICK, seed_of
 from paper_figs.periodic import Window
 from paper_figs.style import write
-from scaling import amplification_of
+from scaling import ContactNetwork, amplification_of, cramer_rao, mean_force
 from tests.conftest import packing
 
 GRAINS = 40
@@ -126,6 +126,11 @@ def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
     empty = table[(table["delta"] == 1e-2) & (table["ratio"] == 10)]
     assert np.isnan(empty["error"]).all()
     assert fig4.text(table).count("\n| diameter | ") == 18
+    failed = table.copy()
+    failed["error"][failed["method"] == "bounded"] = np.nan  # the bound is no worse for that
+    rows = [[r for r in fig4.text(t).split("\n") if "bound*" in r] for t in (table, failed)]
+    assert rows[0] == rows[1]
+    assert rows[0][0].count("|  |") == 1  # Δ = 0.01: ξ = 10 Δ and 100 Δ exceed 0.05
     paths = write(fig4.plot(table), tmp_path, "fig4", table, fig4.facts(packings, SMALL))
     assert len(read(paths[2])[1]) == len(table) == 150
 
@@ -180,6 +185,23 @@ def test_figure_7_tells_noise_from_scale(packings, tmp_path):
         assert np.all(np.abs(np.log2(centres["value"] / (C * centres["ratio"]))) < 1)
     paths = write(fig7.plot(table), tmp_path, "fig7", table, fig7.facts(packings, SMALL))
     assert len(read(paths[2])[1]) == len(table)
+
+
+def test_the_bound_of_figure_4_is_exact():
+    """Sizes with exact directions: C from the singular values, not from probes (±13 %)."""
+    for seed in (1, 2):
+        p = packing(grains=GRAINS, delta=1e-2, seed=seed)
+        map_ = cramer_rao(ContactNetwork.from_packing(p), data="sizes")
+        C = np.linalg.norm(map_.matrix) / np.sqrt(len(p.forces)) * p.pressure
+        assert fig4._bound(p, "diameter") == pytest.approx(C / mean_force(p.forces), rel=1e-6)
+
+
+def test_shares_of_contacts_are_means_and_errors_rms():
+    values = np.array([0.0, 0.02])
+    assert fig7._over_packings("false", values) == pytest.approx(0.01)
+    assert fig7._over_packings("missed", values) == pytest.approx(0.01)
+    assert fig7._over_packings("gppsz known", values) == pytest.approx(0.02 / np.sqrt(2))
+    assert np.isnan(fig7._over_packings("false", values[:0]))
 
 
 @pytest.mark.parametrize("corner", [(0.0, 0.0), (3.3, -40.0)])

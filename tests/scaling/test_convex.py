@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_array
@@ -28,6 +30,26 @@ def test_contradictions_are_called_so():
         convex.minimise(
             np.ones(1), np.zeros(1), csr_array([[1.0]]), np.ones(1), csr_array([[1.0]]), -2.0
         )
+
+
+def test_a_point_at_hand_outweighs_two_certificates(monkeypatch):
+    """One attempt stops within 1e-4, two others claim a contradiction: the point is returned."""
+
+    def attempt(P, q, A, limits, m, regularisation, equilibrate):
+        status, x = attempts.pop(0)
+        return SimpleNamespace(status=status, x=x, iterations=3)
+
+    monkeypatch.setattr(convex, "_attempt", attempt)
+    task = np.ones(1), np.zeros(1), csr_array([[1.0]]), np.ones(1), csr_array((0, 1))
+    near, none = ("AlmostSolved", [1 + 1e-5]), ("PrimalInfeasible", [0.0])
+    for found in ([near, none, none, none], [none, near, none, none]):
+        attempts = list(found)
+        z, report = convex.minimise(*task)
+        assert z == pytest.approx([1 + 1e-5])
+        assert report["tolerance"] == pytest.approx(1e-5)
+    attempts = [none, none]
+    with pytest.raises(ValueError, match="no forces satisfy"):
+        convex.minimise(*task)
 
 
 def test_a_breakdown_is_not_called_a_contradiction():
@@ -65,3 +87,8 @@ def test_exact_directions_are_solved_to_full_accuracy(monkeypatch):
 def test_priors_without_width_are_refused(widths, message):
     with pytest.raises(ValueError, match=f"prior: {message}"):
         Prior(1.0, *widths)
+
+
+def test_a_prior_without_mean_is_refused():
+    with pytest.raises(ValueError, match="prior: mean = nan is not finite"):
+        Prior(np.nan)

@@ -131,6 +131,17 @@ def test_open_contacts_have_no_gaussian_prior():
         truncated_draws(open_, np.random.default_rng(0), 1)
 
 
+@pytest.mark.parametrize(
+    ("draws", "burn_in", "message"),
+    [(0, 0, "draws = 0"), (-5, 20, "draws = -5"), (3, -5, "burn_in = -5")],
+)
+def test_numbers_of_draws_are_checked(draws, burn_in, message):
+    with pytest.raises(ValueError, match=message):
+        truncated_draws(
+            problem_of(packing(), 1.0), np.random.default_rng(0), draws, burn_in=burn_in
+        )
+
+
 def test_flights_end_inside_however_narrow():
     """A corner of 1e-3 and walls that respond 1e-4 times as strongly: 60 flights, none leaves."""
     narrow = 1e-3
