@@ -36,6 +36,8 @@ def rescaled(
     """`network` with all radii off by a factor 1 + `radii`, all positions by 1 + `positions`.
 
     The cell and the torques over radii are measured on the same scales as positions and radii.
+    Low parts are dropped: a scale error is never that small. ValueError: an error of -1 or less,
+    or positions rescaled where there are none.
     """
     if min(radii, positions) <= -1:
         raise ValueError(f"scale error {min(radii, positions)}: it must be above -1")
@@ -61,19 +63,31 @@ def rounded(
 ) -> ContactNetwork:
     """`network` with radii and positions rounded to `digits` decimals of ⟨σ⟩; same contacts.
 
-    ValueError: a radius that is rounded to zero.
+    Directions that were measured stay, torques are data over radii and scale with these. Numbers
+    that are rounded have no low parts; with positions rounded those of radii and cell go too.
+    ValueError: digits that are no whole number, or a radius that is rounded to zero.
     """
+    if not (np.isfinite(digits) and digits == int(digits)):
+        raise ValueError(f"digits = {digits}: a whole number of decimals is needed")
     unit = network.mean_diameter * 10.0 ** -int(digits)
     R = np.round(network.radii / unit) * unit if radii else network.radii
-    x = network.positions
-    if positions:
-        if x is None:
-            raise ValueError("positions cannot be rounded: this network has directions only")
-        x = np.round(x / unit) * unit
+    if not (R > 0).all():
+        i, was = int(np.argmin(R)), network.radii.min()
+        raise ValueError(f"{digits} decimals round the radius {was:.3g} of grain {i} to 0")
+    external = network.external.copy()
+    external[:, 2] *= R / network.radii
     if not positions:
-        return network.with_sizes(R)
+        return network.with_sizes(R, external)
+    if network.positions is None:
+        raise ValueError("positions cannot be rounded: this network has directions only")
     new = ContactNetwork(
-        x, R, network.pairs, cell=network.cell, images=network.images, external=network.external
+        np.round(network.positions / unit) * unit,
+        R,
+        network.pairs,
+        cell=network.cell,
+        images=network.images,
+        external=external,
+        normals=network.normals if network._directions_measured else None,
     )
     new._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
     return new

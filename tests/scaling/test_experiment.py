@@ -221,6 +221,28 @@ def test_rounded_centres_are_position_noise(delta):
         assert 1 / 1.5 < relative_error(found.forces, p.forces) / (C * ξ / delta) < 1.5
 
 
+def test_rounding_keeps_what_it_does_not_round():
+    """Measured directions stay; torques scale with radii, as `rescaled` and `perturb` have them;
+    digits are a whole number, and no radius becomes 0."""
+    p = packing(delta=1e-2)
+    n = network_of(p)
+    external = np.zeros((n.grains, 3))
+    external[:, 2] = n.radii
+    measured = ContactNetwork(
+        n.positions, n.radii, n.pairs, cell=n.cell, images=n.images, external=external,
+        normals=n.normals,
+    )  # fmt: skip
+    for positions in (False, True):
+        coarse = rounded(measured, 2, positions=positions)
+        assert np.array_equal(coarse.normals, n.normals)
+        assert coarse.external[:, 2] == pytest.approx(coarse.radii, rel=1e-14)
+        assert (coarse.radii != n.radii).any()
+    with pytest.raises(ValueError, match=r"digits = 1.7: a whole number"):
+        rounded(n, 1.7)
+    with pytest.raises(ValueError, match=r"0 decimals round the radius .* of grain \d+ to 0"):
+        rounded(n, 0)
+
+
 @pytest.mark.parametrize("delta", [1e-2, 1e-5])
 def test_spread_stiffness_costs_its_spread_at_any_delta(delta):
     """Truth first: forces κ_e δ_e with 1 % spread. gppsz with one κ errs by the response, and by
