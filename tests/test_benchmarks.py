@@ -120,18 +120,16 @@ def test_unknown_studies_are_refused():
 
 def test_the_growth_with_size_has_the_error_it_claims():
     """a (1 + b/N) on three small sizes, where slope and intercept are strongly correlated: the
-    scatter of b over 4000 draws is the bar within 5 % (2000 draws tell 2 %; without the covariance
-    it would be 40 % of it or less); points that scatter thrice as much as they say treble it."""
+    scatter of b over 4000 draws is the bar within 5 % (they tell 1 %; without the covariance the
+    bar is 13 % too small); points off by more than they say enlarge it by √(χ²)."""
     counts, errors, rng = np.array([50, 60, 80]), np.full(3, 1e-3), np.random.default_rng(0)
     truth = 0.5 * (1 + 10 / counts)
     drawn = truth + errors * rng.standard_normal((4000, 3))
     found = np.array([estimators.growth(counts, m, errors) for m in drawn])
-    plain = [b for b, _, reduced in found if reduced < 1]
     assert np.mean(found[:, 0]) == pytest.approx(10, abs=0.2)
     bar = estimators.growth(counts, truth, errors)[1]
     assert np.std(found[:, 0]) == pytest.approx(bar, rel=0.05)
     assert np.mean(found[:, 2]) == pytest.approx(1, abs=0.1)
-    assert len(plain) > 2000
     off = truth + 3e-3 * np.array([1.0, -1.0, 1.0])
     _, wide, reduced = estimators.growth(counts, off, errors)
     close = estimators.growth(counts, off, 100 * errors)
