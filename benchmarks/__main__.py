@@ -105,7 +105,7 @@ def main() -> None:
 
     def rest(pool: ProcessPoolExecutor) -> None:
         table = relaxation.compute(
-            pool, 1000 if full else 300, 24 if full else 32, 6 if full else 5
+            pool, 1000 if full else 300, 16 if full else 32, 6 if full else 5
         )
         keep("relaxation", relaxation.text(table))
         draw("relaxation", relaxation.plot(table), table)
