@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dem import Scene, Settings
 from paper_figs import fig4, fig5, fig7, table1
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -57,3 +58,12 @@ def test_tables_of_the_estimators_are_those_of_the_full_figures(figure):
     )
     for line in figure.text(table).splitlines():
         assert line in ESTIMATORS, line
+
+
+def test_settings_and_scenes_of_the_docs_are_legal():
+    """Every `Settings(...)` and `Scene(...)` the docs name can be made as it stands."""
+    docs = "".join(p.read_text() for p in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+    named = set(re.findall(r"\b(?:Settings|Scene)(?:\.\w+)?\([^()]*\)", docs))
+    assert len(named) >= 6
+    for expression in named:
+        eval(expression, {"Settings": Settings, "Scene": Scene})
