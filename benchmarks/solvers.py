@@ -180,7 +180,9 @@ def plot(table: np.ndarray) -> Figure:
     common = max(n for n in np.unique(table["grains"]) if n <= 1000)
     for k, name in enumerate(names):
         mine = table[table["solver"] == name]
-        style = {"marker": MARKERS[k % len(MARKERS)], "label": name, "color": f"C{k}"}
+        # Direct methods in colours, lsmr in greys: the darker the more exact.
+        tone = f"{0.22 * (len(SOLVERS) - 1 - k):.2f}" if name.startswith("lsmr") else f"C{k}"
+        style = {"marker": MARKERS[k % len(MARKERS)], "label": name, "color": tone}
         a.plot(mine["grains"], mine["seconds"], **style)
         seen = mine[mine["MB"] > SEEN]
         b.plot(seen["grains"], seen["MB"], **style)

@@ -15,6 +15,10 @@ mpl.use("Agg")  # figures are written, never shown
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
+#: Told apart by the colour-blind too (Okabe and Ito).
+PALETTE = (
+    "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#999999", "#000000",
+)  # fmt: skip
 COLUMN = 3.4  # inches, the width of one journal column
 
 STYLE = {
@@ -26,6 +30,7 @@ STYLE = {
     "lines.markersize": 3.5,
     "errorbar.capsize": 1.5,
     "axes.grid": False,
+    "axes.prop_cycle": mpl.cycler(color=PALETTE),
     "xtick.direction": "in",
     "ytick.direction": "in",
     "xtick.top": True,
