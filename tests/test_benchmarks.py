@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 import benchmarks
-from benchmarks import dem_trade, estimators, floor, ramps, relaxation, rounding, size, solvers
+from benchmarks import dem_trade, floor, ramps, relaxation, rounding, size, solvers
+from benchmarks.studies import prior as prior_study
+from benchmarks.studies import size as size_study
 from benchmarks.tiling import tiled
 from dem import refine, relax
 from scaling import force_equation, reconstruct, relative_error
@@ -125,14 +127,14 @@ def test_the_growth_with_size_has_the_error_it_claims():
     counts, errors, rng = np.array([50, 60, 80]), np.full(3, 1e-3), np.random.default_rng(0)
     truth = 0.5 * (1 + 10 / counts)
     drawn = truth + errors * rng.standard_normal((4000, 3))
-    found = np.array([estimators.growth(counts, m, errors) for m in drawn])
+    found = np.array([size_study.growth(counts, m, errors) for m in drawn])
     assert np.mean(found[:, 0]) == pytest.approx(10, abs=0.2)
-    bar = estimators.growth(counts, truth, errors)[1]
+    bar = size_study.growth(counts, truth, errors)[1]
     assert np.std(found[:, 0]) == pytest.approx(bar, rel=0.05)
     assert np.mean(found[:, 2]) == pytest.approx(1, abs=0.1)
     off = truth + 3e-3 * np.array([1.0, -1.0, 1.0])
-    _, wide, reduced = estimators.growth(counts, off, errors)
-    close = estimators.growth(counts, off, 100 * errors)
+    _, wide, reduced = size_study.growth(counts, off, errors)
+    close = size_study.growth(counts, off, 100 * errors)
     assert wide == pytest.approx(close[1] / 100 * np.sqrt(reduced), rel=1e-6)
 
 
@@ -140,7 +142,7 @@ def test_the_growth_with_size_has_the_error_it_claims():
 def test_coverage_is_measured_with_and_without_friction(friction):
     """Shares within [0, 1], the wider interval encloses more, and the true scatter is the true."""
     p = packing(grains=24, delta=1e-2, friction=friction)
-    ninety, half, width, mean, best, _, true = estimators._covered(p, 1e-2, "projected", 2.0)
+    ninety, half, width, mean, best, _, true = prior_study._covered(p, 1e-2, "projected", 2.0)
     assert 0 <= half < ninety <= 1
     assert min(width, mean, best) > 0
     assert true == pytest.approx(p.normal_forces.std() / p.normal_forces.mean())

@@ -1,0 +1,1 @@
+"""The studies behind docs/estimators.md, one module each: see `benchmarks.estimators`."""
