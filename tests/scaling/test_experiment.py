@@ -146,31 +146,41 @@ def test_list_error_by_hand():
 
 
 def test_open_contacts_carry_nothing_and_cost_little():
-    """A false contact, 5 Δ open, at ξ = Δ: with gaps allowed it stays below a tenth of f̄, and
-    the error is within a factor 2 of that with the list known."""
-    p = packing(delta=1e-3)
-    n, xi = network_of(p), p.delta
-    noisy = perturb(n, xi, np.random.default_rng(1), "position")
+    """A false contact, 5 Δ open or more, at ξ = Δ, six packings: with gaps allowed it bears less
+    than a tenth of f̄ on average, and the error is within a factor 1.5 of that with the list
+    known.  Negative control: taken as closed it costs more."""
+    borne, with_gaps, without = np.array([false_contact(seed) for seed in range(1, 7)]).T
+    assert borne.mean() < 0.1, borne
+    assert borne.max() < 0.5, borne
+    assert with_gaps.mean() < 1.5, with_gaps
+    assert with_gaps.mean() < without.mean(), (with_gaps, without)
+
+
+def false_contact(seed):
+    """(f_n/f̄ on the false contact if it may be open, E with gaps and E without, over E with the
+    list known)."""
+    p = packing(delta=1e-3, seed=seed)
+    noisy = perturb(network_of(p), p.delta, np.random.default_rng(seed), "position")
     pairs, images = infer_contacts(p.positions, p.radii, 0.3, cell=p.cell)
-    gaps = ContactNetwork(p.positions, p.radii, pairs, cell=p.cell, images=images).overlaps
+    overlaps = ContactNetwork(p.positions, p.radii, pairs, cell=p.cell, images=images).overlaps
     alive = ~p.rattlers[pairs].any(axis=1)
-    false = np.flatnonzero((gaps < -5 * p.delta) & alive)
-    chosen = false[np.argmax(gaps[false])]
+    false = np.flatnonzero((overlaps < -5 * p.delta) & alive)
+    chosen = false[np.argmax(overlaps[false])]
     larger = ContactNetwork(
         noisy.positions, noisy.radii, np.vstack([p.pairs, pairs[chosen]]),
         cell=p.cell, images=np.vstack([p.images, images[chosen]]),
     )  # fmt: skip
 
     def solved(network, gaps):
-        noise = sources(network, "position", xi=xi)
+        noise = sources(network, "position", xi=p.delta)
         return bounded_forces(posterior(network, p.stiffness, p.friction, noise,
                                         pressure=p.pressure, gaps=gaps))[0]  # fmt: skip
 
-    known, open_ = solved(noisy, False), solved(larger, True)
     c = len(p.pairs)
-    assert open_[c] < 0.1 * p.normal_forces.mean()
-    kept = np.delete(open_, [c, 2 * c + 1])
-    assert relative_error(kept, p.forces) < 2 * relative_error(known, p.forces)
+    known = relative_error(solved(noisy, False), p.forces)
+    both = [solved(larger, gaps) for gaps in (True, False)]
+    errors = [relative_error(np.delete(f, [c, 2 * c + 1]), p.forces) / known for f in both]
+    return both[0][c] / p.normal_forces.mean(), *errors
 
 
 # --- calibration ----------------------------------------------------------------------------
