@@ -32,8 +32,9 @@ from scaling import (
     rounded,
     stiffness_response,
 )
-from scaling.bounded import bounded_forces, posterior
+from scaling.bounded import bounded_forces
 from scaling.detection import confusion, list_error
+from scaling.posterior import posterior
 from scaling.sources import sources
 
 DELTA = 1e-4

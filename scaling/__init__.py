@@ -7,7 +7,6 @@ drawn in `scaling.network`.
 """
 
 from scaling.bound import cramer_rao
-from scaling.bounded import flat_guess
 from scaling.calibration import (
     forces_of_overlaps,
     rescaled,
@@ -24,6 +23,7 @@ from scaling.least_squares import Conditioning
 from scaling.loops import Loops
 from scaling.network import ContactNetwork
 from scaling.noise import perturb
+from scaling.posterior import flat_guess
 from scaling.propagation import amplification, amplification_of, gain
 from scaling.reconstruction import Reconstruction, reconstruct
 from scaling.resolution import CoarseCoordinatesWarning

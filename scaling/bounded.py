@@ -28,18 +28,8 @@ import numpy as np
 
 from scaling.checks import Floats
 from scaling.convex import minimise
-from scaling.posterior import Posterior, Prior, flat_guess, posterior, virial_of
+from scaling.posterior import Posterior
 from scaling.programme import Shift, programme
-
-__all__ = [
-    "Posterior",
-    "Prior",
-    "bounded_forces",
-    "flat_guess",
-    "passes",
-    "posterior",
-    "virial_of",
-]
 
 
 def bounded_forces(posterior: Posterior) -> tuple[Floats, Floats, dict[str, Any]]:

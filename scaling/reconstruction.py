@@ -23,10 +23,11 @@ from numpy.typing import ArrayLike
 
 from scaling import checks
 from scaling.balanced import balanced_forces
-from scaling.bounded import bounded_forces, posterior
+from scaling.bounded import bounded_forces
 from scaling.checks import Floats, frozen
 from scaling.equation import ForceEquation, force_equation
 from scaling.optimal import optimal_forces
+from scaling.posterior import posterior
 from scaling.sources import sources
 
 if TYPE_CHECKING:

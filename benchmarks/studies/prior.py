@@ -7,8 +7,9 @@ import numpy as np
 from benchmarks.studies.packings import SEED, full, make, net
 from dem import Packing, Scene
 from scaling import perturb, relative_error
-from scaling.bounded import Posterior, Prior, bounded_forces, posterior
+from scaling.bounded import bounded_forces
 from scaling.credible import coverage, enclosing, posterior_draws, widened
+from scaling.posterior import Posterior, Prior, posterior
 from scaling.sources import sources
 from scaling.truncated import truncated_draws
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.sparse import csr_array
 
 from scaling import ContactNetwork, convex, perturb, reconstruct
-from scaling.bounded import Prior
+from scaling.posterior import Prior
 from tests.conftest import packing
 
 

@@ -25,8 +25,9 @@ from scaling import (
     relative_error,
     to_pressure,
 )
-from scaling.bounded import Prior, bounded_forces, posterior
+from scaling.bounded import bounded_forces
 from scaling.credible import coverage, credible_intervals, posterior_draws
+from scaling.posterior import Prior, posterior
 from scaling.sources import sources
 from tests.conftest import packing
 from tests.scaling.networks import loaded, periodic, rhombus

@@ -21,8 +21,9 @@ from scaling import (
     tiled_forces,
     to_pressure,
 )
-from scaling.bounded import bounded_forces, posterior
+from scaling.bounded import bounded_forces
 from scaling.detection import confusion, list_error
+from scaling.posterior import posterior
 from scaling.sources import sources
 from tests.conftest import packing
 from tests.scaling.networks import loaded, periodic

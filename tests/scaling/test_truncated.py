@@ -7,8 +7,9 @@ import pytest
 from scipy.stats import kstest, norm
 
 from scaling import ContactNetwork, force_equation, perturb
-from scaling.bounded import bounded_forces, posterior
+from scaling.bounded import bounded_forces
 from scaling.credible import credible_intervals, enclosing, posterior_draws, widened
+from scaling.posterior import posterior
 from scaling.sources import sources
 from scaling.truncated import Walls, truncated_draws
 from tests.conftest import packing
