@@ -21,10 +21,7 @@ from scaling.error_theory import LINEAR
 from scaling.sources import sources
 from tests.conftest import packing
 from tests.scaling.networks import loaded, triangle
-
-
-def network_of(p):
-    return ContactNetwork.from_packing(p)
+from tests.scaling.packings import network_of
 
 
 def given(p, noise):

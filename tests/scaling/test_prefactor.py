@@ -6,17 +6,14 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from scaling import ContactNetwork, cramer_rao, error_map, force_equation
+from scaling import cramer_rao, error_map, force_equation
 from scaling.prefactor import loop_shares, self_stress_gain
 from scaling.symbolic import fourier
 from tests.conftest import packing
 from tests.scaling.networks import lattice, periodic, ring
+from tests.scaling.packings import network_of
 
 EPS = np.finfo(float).eps
-
-
-def network_of(p):
-    return ContactNetwork.from_packing(p)
 
 
 @pytest.mark.parametrize("delta", [1e-1, 1e-2, 1e-5])
