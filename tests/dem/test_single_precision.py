@@ -22,7 +22,7 @@ from dem import (
     step,
 )
 from tests.conftest import packing
-from tests.dem.test_motion import dense_gas, pressed
+from tests.dem.gases import dense_gas, pressed
 from tests.dem.test_relax import balance
 
 EPS, EPS32 = np.finfo(np.float64).eps, np.finfo(np.float32).eps
