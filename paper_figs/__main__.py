@@ -38,8 +38,12 @@ def main() -> None:
     write_table(edition.folder / "table1.csv", rows, facts)
     report(f"PNG, PDF and CSV are in {edition.folder.relative_to(ROOT)}/")
     print("\n" + table1.text(rows, fits))
-    for figure in (fig4, fig5, fig7):
-        print("\n" + figure.text(tables[figure.__name__.split(".")[-1]]))
+    for figure, what in (
+        (fig4, "Fig. 4: E against noise, ± standard deviation over packings"),
+        (fig5, "Fig. 5: C = E/(ξ/Δ), noise on diameters, on positions"),
+        (fig7, "Fig. 7: contacts read off noisy positions, and what E they leave"),
+    ):
+        print(f"\n{what}\n\n" + figure.text(tables[figure.__name__.split(".")[-1]]))
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 
 from dem import Packing
 from paper_figs.packings import Edition
-from paper_figs.style import MARKERS, new_figure, power_of_ten, provenance
+from paper_figs.style import MARKERS, new_figure, one_digit, power_of_ten, provenance
 from scaling import (
     ContactNetwork,
     cramer_rao,
@@ -178,7 +178,9 @@ def text(table: np.ndarray) -> str:
                     & (table["method"] == method)
                 ]
                 cells = [
-                    "" if np.isnan(r["error"]) else f"{r['error']:.2g} ± {r['error_sd']:.1g}"
+                    ""
+                    if np.isnan(r["error"])
+                    else f"{r['error']:.2g} ± {one_digit(r['error_sd'])}"
                     for r in mine
                 ]
                 lines.append(f"| {noise} | {delta:g} | {method} | " + " | ".join(cells) + " |")

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from dem import Packing
 from paper_figs.fig4 import COLOURS
 from paper_figs.packings import Edition
-from paper_figs.style import MARKERS, new_figure, power_of_ten, provenance
+from paper_figs.style import MARKERS, new_figure, one_digit, power_of_ten, provenance
 from scaling import (
     ContactNetwork,
     amplification_of,
@@ -245,7 +245,8 @@ def text(table: np.ndarray) -> str:
         shares = [f"{100 * v:.1f} ± {100 * sd:.1f} %" for v, sd in (mine["false"], mine["missed"])]
         errors = [
             ", ".join(
-                f"{v:.3g} ± {sd:.1g}" for v, sd in (mine[f"{m} known"], mine[f"{m} inferred"])
+                f"{v:.3g} ± {one_digit(sd)}"
+                for v, sd in (mine[f"{m} known"], mine[f"{m} inferred"])
             )
             for m in ("gppsz", "bounded")
             if f"{m} known" in mine

@@ -65,6 +65,11 @@ def power_of_ten(delta: float) -> str:
     return f"10^{{{round(np.log10(delta))}}}"
 
 
+def one_digit(error: float) -> str:
+    """An error bar to one digit: 0.004, 4e-05, 10."""
+    return f"{float(f'{error:.1g}'):g}"
+
+
 def provenance(**facts: Any) -> dict[str, Any]:
     """Versions and seeds: what it takes to make the figure again."""
     packages = ("packing-forces", "numpy", "scipy", "matplotlib")
