@@ -22,8 +22,9 @@ from dem.integrator import resolve_backend
 from dem.packing import Packing
 from dem.packing_file import FORMAT
 from dem.relax import CONTINUED_BELOW, relax
-from dem.scene import Scene, seed_number
+from dem.scene import Scene
 from dem.settings import Settings
+from packing.numbers import seed_number
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
 ALGORITHM = 5

@@ -18,8 +18,8 @@ import numpy as np
 from dem.law import ContactLaw, Drive
 from dem.neighbours import Neighbours, find_neighbours
 from dem.numpy_kernel import Motion, kick
-from dem.scene import positive_number, whole_number
 from dem.state import State
+from packing.numbers import positive_number, whole_number
 
 BACKENDS = ("auto", "numpy", "numba")
 PRECISIONS = ("float64", "float32")

@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-from dem.scene import number_from_zero, positive_number
+from packing.numbers import number_from_zero, positive_number
 
 
 @dataclass(frozen=True)

@@ -16,14 +16,15 @@ from typing import Any
 import numpy as np
 
 from dem.packing_file import read_record, write_record
-from dem.scene import number_from_zero, positive_number
 from dem.soundness import check_contacts, check_forces, check_low_parts
 from dem.state import Floats, Ints
 from doubledouble import DoubleDouble, hypot
+from packing.immutable import Immutable
+from packing.numbers import number_from_zero, positive_number
 
 
 @dataclass(frozen=True, eq=False)
-class Packing:
+class Packing(Immutable):
     """Force-bearing contacts between non-rattlers; all grains, in their order.
 
     ``positions (N, 2)``, ``radii (N,)``, ``cell (2, 2)`` with lattice vectors as rows (None if

@@ -24,9 +24,10 @@ from dem.law import ContactLaw, Drive, stable_time_step
 from dem.packing import Packing
 from dem.relax import CONTINUED_BELOW, NotRelaxed, check_noise, come_to_rest
 from dem.resume import check_resumable, mean_diameter, origin, recorded_ratio, rescaled
-from dem.scene import LARGEST_DELTA, Scene, real_number
+from dem.scene import LARGEST_DELTA, Scene
 from dem.settings import Settings
 from dem.state import History, State
+from packing.numbers import real_number
 
 #: Changes of ln p per inertial time: a decade takes 23 of them, as long as coming to rest does.
 RATE = 0.1

@@ -25,11 +25,12 @@ from dem.packing import Packing
 from dem.polish import PolishFailed, polish
 from dem.progress import RestBar
 from dem.rest import Rest, rest_as_is
-from dem.scene import Scene, seed_number
+from dem.scene import Scene
 from dem.settings import Settings
 from dem.start import loose_state
 from dem.state import History, State
 from dem.stiffen import stiffen
+from packing.numbers import seed_number
 
 #: Below this Δ packings come by continuation, in extended precision.
 CONTINUED_BELOW = 1e-6

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from dem.packing import Packing
-from dem.scene import Scene, positive_number
+from dem.scene import Scene
+from packing.numbers import positive_number
 
 #: Mean diameters this near a power of two (in its units) are that, but for rounding.
 ROUNDING = 1e-12

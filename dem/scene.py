@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from operator import index
-from typing import Any
 
-import numpy as np
+from packing.numbers import real_number, whole_number
 
 #: Below three grains there is no loop, hence no force equation.
 FEWEST_GRAINS = 3
@@ -75,50 +73,3 @@ class Scene:
     def pressure(self) -> float:
         """The pressure p = Δ κ, with κ = 1."""
         return self.delta
-
-
-def whole_number(name: str, value: Any) -> int:
-    """``value`` as a Python int; ValueError naming it if it is no whole number."""
-    try:
-        if isinstance(value, bool):
-            raise TypeError
-        return index(value)
-    except TypeError:
-        raise ValueError(f"{name} = {value!r} is not a whole number") from None
-
-
-def real_number(name: str, value: Any) -> float:
-    """``value`` as a Python float; ValueError naming it if it is no number.
-
-    Neither is a string that looks like one, nor True.
-    """
-    try:
-        if isinstance(value, bool | np.bool_ | str | bytes):
-            raise TypeError
-        return float(value)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} = {value!r} is not a number") from None
-
-
-def positive_number(name: str, value: Any) -> float:
-    """``value`` as a finite Python float > 0; ValueError naming it if it is not."""
-    number = real_number(name, value)
-    if not (isfinite(number) and number > 0):
-        raise ValueError(f"{name} = {number} is not a finite number > 0")
-    return number
-
-
-def number_from_zero(name: str, value: Any) -> float:
-    """``value`` as a finite Python float >= 0; ValueError naming it if it is not."""
-    number = real_number(name, value)
-    if not (isfinite(number) and number >= 0):
-        raise ValueError(f"{name} = {number} is not a finite number >= 0")
-    return number
-
-
-def seed_number(seed: Any) -> int:
-    """``seed`` as a Python int >= 0; a packing without one could not be made again."""
-    number = whole_number("seed", seed)
-    if number < 0:
-        raise ValueError(f"seed = {number} is negative")
-    return number

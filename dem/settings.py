@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dem.integrator import check_precision, resolve_backend
-from dem.scene import number_from_zero, positive_number
+from packing.numbers import number_from_zero, positive_number
 
 #: A time step above this fraction of √(m_eff/κ) may not come to rest: 1.0 does at every Δ, 1.5
 #: at none (2 is the stability limit of a single contact, and a grain has several).

@@ -12,12 +12,10 @@ from math import isfinite
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dem.scene import real_number
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from packing.arrays import Floats, real_array, whole_array
+from packing.arrays import Integers as Ints
+from packing.numbers import real_number
 
 
 @dataclass
@@ -33,10 +31,10 @@ class History:
     elongations: Floats = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
-        self.elongations = _vector("elongations", self.elongations, None)
+        self.elongations = real_array("elongations", self.elongations, (None,))
         shape = (len(self.elongations), 2)
-        self.pairs = _whole("pairs", self.pairs, shape)
-        self.images = _whole("images", self.images, shape)
+        self.pairs = whole_array("pairs", self.pairs, shape)
+        self.images = whole_array("images", self.images, shape)
         if len(bad := np.flatnonzero(self.pairs[:, 0] >= self.pairs[:, 1])):
             e = int(bad[0])
             raise ValueError(f"contact {e} of the history is {self._names(e)}: write i < j")
@@ -75,18 +73,18 @@ class State:
     history: History = field(default_factory=History)
 
     def __post_init__(self) -> None:
-        self.radii = _vector("radii", self.radii, None)
+        self.radii = real_array("radii", self.radii, (None,))
         count = len(self.radii)
-        self.positions = _vector("positions", self.positions, (count, 2))
+        self.positions = real_array("positions", self.positions, (count, 2))
         zero = np.zeros((count, 2))
         velocities = zero if self.velocities is None else self.velocities
-        self.velocities = _vector("velocities", velocities, (count, 2))
+        self.velocities = real_array("velocities", velocities, (count, 2))
         spins = np.zeros(count) if self.spins is None else self.spins
-        self.spins = _vector("spins", spins, (count,))
+        self.spins = real_array("spins", spins, (count,))
         if bad := np.flatnonzero(self.radii <= 0).tolist():
             raise ValueError(f"grain {bad[0]} has radius {self.radii[bad[0]]}, not positive")
         if self.cell is not None:
-            self.cell = _vector("cell", self.cell, (2, 2))
+            self.cell = real_array("cell", self.cell, (2, 2))
             if self.cell[0, 1] or self.cell[1, 0] or np.min(np.diag(self.cell)) <= 0:
                 raise ValueError(f"cell {self.cell.tolist()} is not a rectangle of positive sides")
         self.strain_rate = real_number("strain_rate", self.strain_rate)
@@ -114,25 +112,3 @@ class State:
         """Σ ½ m v² + ½ I ω², I = m R²/2."""
         speed2 = np.sum(np.square(self.velocities), axis=1)
         return float(0.5 * self.masses @ (speed2 + 0.5 * np.square(self.radii * self.spins)))
-
-
-def _vector(name: str, value: object, shape: tuple[int, ...] | None) -> Floats:
-    try:
-        array = np.array(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} is not an array of numbers: {error}") from error
-    if array.shape != (shape or (array.size,)):
-        raise ValueError(f"{name} has shape {array.shape}, expected {shape or '(N,)'}")
-    if bad := np.argwhere(~np.isfinite(array)).tolist():
-        raise ValueError(f"{name}{bad[0]} is {array[tuple(bad[0])]}")
-    return array
-
-
-def _whole(name: str, value: object, shape: tuple[int, ...]) -> Ints:
-    array = np.asarray(value)
-    if array.dtype == np.int64 and array.shape == shape:
-        return array.copy()
-    numbers = _vector(name, array.reshape(shape) if array.size == 0 else value, shape)
-    if odd := np.argwhere(numbers != np.rint(numbers)).tolist():
-        raise ValueError(f"{name}{odd[0]} is {numbers[tuple(odd[0])]}, no whole number")
-    return numbers.astype(np.int64)

@@ -32,9 +32,9 @@ from dem.polish import PolishFailed, newton
 from dem.precise import Place, PreciseEquilibrium
 from dem.rest import backbone, fewest_contacts
 from dem.resume import check_resumable, origin, power_of_two, recorded_ratio, rescaled
-from dem.scene import real_number
 from dem.state import History
 from dem.tangent import Trial
+from packing.numbers import real_number
 
 #: Largest and smallest ratio of pressures of one stage.
 LONGEST_STAGE, SHORTEST_STAGE = 10.0, 1.02

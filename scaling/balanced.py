@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array, hstack
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 from scaling.constrained import ConstrainedLeastSquares, global_moments
 from scaling.equation import ForceEquation
 

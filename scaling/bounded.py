@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 from scaling.convex import minimise
 from scaling.posterior import Posterior
 from scaling.programme import Shift, programme

@@ -22,8 +22,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaling import balanced, checks
-from scaling.checks import Floats
+from packing.arrays import Floats, real_array
+from scaling import balanced
 from scaling.equation import force_equation
 from scaling.network import ContactNetwork
 from scaling.posterior import virial_of
@@ -102,8 +102,8 @@ def stiffness_response(
     with one κ the loop sums are off by Q (f_n spread): proportional to the forces, not to 1/Δ.
     """
     equation = force_equation(network, frictional)
-    f = checks.finite("force", "component", forces, (equation.unknowns,))
-    ζ = checks.finite("spread", "contact", spread, (network.contacts,))
+    f = real_array("forces", forces, (equation.unknowns,), "component")
+    ζ = real_array("spread", spread, (network.contacts,), "contact")
     off = equation.Q @ (f[: network.contacts] * ζ)
     return equation.matrices.system.solve(np.concatenate([np.zeros(equation.M.shape[0]), -off]))
 
@@ -122,7 +122,7 @@ def forces_of_overlaps(
     "gppsz", "balanced", "direct". ValueError: another method, or bad input.
     """
     equation = force_equation(network, frictional)
-    δ = checks.finite("overlap", "contact", overlaps, (network.contacts,))
+    δ = real_array("overlaps", overlaps, (network.contacts,), "contact")
     if not (np.isfinite(stiffness) and stiffness > 0):
         raise ValueError(f"stiffness {stiffness}: it must be positive")
     b, matrices = equation.balance_rhs(), equation.matrices
@@ -149,7 +149,7 @@ def to_pressure(network: ContactNetwork, forces: ArrayLike, pressure: float) -> 
         raise ValueError("to_pressure needs a periodic cell: loads fix the scale of an open one")
     target = virial_of(network, pressure)
     size = network.contacts * (1 + is_frictional(network, forces))
-    f = checks.finite("force", "component", forces, (size,))
+    f = real_array("forces", forces, (size,), "component")
     virial = float(f[: network.contacts] @ network.distances)
     if not virial > 0:
         raise ValueError(f"the forces do not push: Σ f_n r = {virial:.3g}")

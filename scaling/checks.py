@@ -6,55 +6,24 @@ Every refusal is a ``ValueError`` that names the grain or the contact and the nu
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from packing.arrays import Floats, Integers, real_array, whole_array
 
 # A measured direction may be rounded, but a vector off by more than this is not a direction.
 _UNIT_SLACK = 0.01
 
 
-def frozen(array: NDArray) -> NDArray:
-    """A read-only view of `array`."""
-    view = array.view()
-    view.flags.writeable = False
-    return view
-
-
-def finite(name: str, of: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    """`values` as a float array of the given shape without NaN or infinity."""
-    array = np.array(values, dtype=float)
-    if array.shape != shape:
-        raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
-    bad = ~np.isfinite(array)
-    if bad.any():
-        at = np.argwhere(bad)[0]
-        raise ValueError(f"{name} of {of} {at[0]} is {array[tuple(at)]}")
-    return array
-
-
 def integer(name: str, values: ArrayLike) -> Integers:
     """`values` as (c, 2) integers; floats are accepted if they are whole numbers."""
-    array = np.asarray(values)
-    if array.size == 0:
-        return np.zeros((0, 2), dtype=np.int64)
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise ValueError(f"{name} has shape {array.shape}, expected (contacts, 2)")
-    whole = np.asarray(array, dtype=float)
-    bad = ~np.isfinite(whole) | (whole != np.round(whole))
-    if bad.any():
-        e, k = np.argwhere(bad)[0]
-        raise ValueError(f"{name} of contact {e} is {array[e, k]}, not an integer")
-    return array.astype(np.int64)
+    return whole_array(name, values, (None, 2), "contact")
 
 
 def radii_of_grains(radii: ArrayLike) -> Floats:
     """Radii, all finite and positive."""
-    array = np.asarray(radii, dtype=float)
-    if array.ndim != 1 or array.size == 0:
-        raise ValueError(f"radii has shape {array.shape}, expected (grains,) with grains >= 1")
-    array = finite("radius", "grain", array, array.shape)
+    array = real_array("radii", radii, (None,), "grain")
+    if array.size == 0:
+        raise ValueError("radii has shape (0,), expected (grains,) with grains >= 1")
     if (array <= 0).any():
         i = int(np.argmax(array <= 0))
         raise ValueError(f"radius of grain {i} is {array[i]}, it must be positive")
@@ -63,11 +32,7 @@ def radii_of_grains(radii: ArrayLike) -> Floats:
 
 def lattice(cell: ArrayLike) -> Floats:
     """A periodic cell: two independent lattice vectors as rows; a sheared one is legitimate."""
-    array = np.array(cell, dtype=float)
-    if array.shape != (2, 2):
-        raise ValueError(f"cell has shape {array.shape}, expected (2, 2), rows = lattice vectors")
-    if not np.isfinite(array).all():
-        raise ValueError(f"cell {array.tolist()} is not finite")
+    array = real_array("cell", cell, (2, 2))
     area = abs(float(np.linalg.det(array)))
     if area <= 1e-12 * np.linalg.norm(array[0]) * np.linalg.norm(array[1]):
         raise ValueError(f"cell {array.tolist()} is singular: its area is {area:.3g}")
@@ -111,7 +76,7 @@ def contacts(pairs: Integers, images: Integers, grains: int) -> None:
 
 def directions(normals: ArrayLike, contacts: int) -> Floats:
     """Measured contact directions, (c, 2), brought to unit length."""
-    array = finite("normal", "contact", normals, (contacts, 2))
+    array = real_array("normals", normals, (contacts, 2), "contact")
     length = np.hypot(*array.T)
     bad = abs(length - 1) > _UNIT_SLACK
     if bad.any():

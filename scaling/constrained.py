@@ -23,7 +23,7 @@ from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork

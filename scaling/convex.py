@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csc_array, csc_matrix, diags_array, vstack
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 
 _FEASIBLE = {"AlmostSolved": 1e-4, "InsufficientProgress": 1e-5}
 """Violation up to which a solve that ended early counts."""

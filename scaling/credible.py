@@ -20,9 +20,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from scaling import checks
+from packing.arrays import Floats, real_array
 from scaling.bounded import bounded_forces, passes
-from scaling.checks import Floats
 from scaling.posterior import Posterior, Prior
 from scaling.truncated import truncated_draws
 
@@ -105,7 +104,7 @@ def coverage(low: Floats, high: Floats, true: Floats, slack: float = 0.0) -> flo
 
     ValueError: the three do not have one shape, or are not finite.
     """
-    true = checks.finite("true force", "component", true, np.shape(true))
-    low = checks.finite("lower end", "component", low, true.shape)
-    high = checks.finite("upper end", "component", high, true.shape)
+    true = real_array("true", true, np.shape(true), "component")
+    low = real_array("low", low, true.shape, "component")
+    high = real_array("high", high, true.shape, "component")
     return float(np.mean((true >= low - slack) & (true <= high + slack)))

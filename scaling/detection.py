@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
+from packing.arrays import Floats, Integers, real_array
 from scaling import checks
-from scaling.checks import Floats, Integers
 from scaling.lattice import forward, reduced
 
 
@@ -33,7 +33,7 @@ def infer_contacts(
     (the shortest lattice vectors of the cell count, not its shear).
     """
     R = checks.radii_of_grains(radii)
-    x = checks.finite("position", "grain", positions, (len(R), 2))
+    x = real_array("positions", positions, (len(R), 2), "grain")
     if not np.isfinite(threshold):
         raise ValueError(f"threshold {threshold} is not finite")
     reach = 2 * float(R.max()) + threshold

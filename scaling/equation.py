@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 from scaling.least_squares import Conditioning, LeastSquares
 from scaling.loops import Loops
 

@@ -26,8 +26,8 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
-from scaling import balanced, checks, optimal
-from scaling.checks import Floats
+from packing.arrays import Floats, real_array
+from scaling import balanced, optimal
 from scaling.equation import ForceEquation, force_equation
 from scaling.network import ContactNetwork
 from scaling.sources import Sources, sources
@@ -183,7 +183,7 @@ def error_map(
         raise ValueError(f"stiffness {stiffness}: it must be positive")
     φ = np.zeros(equation.unknowns)
     if forces is not None:
-        f = checks.finite("force", "component", forces, (equation.unknowns,))
+        f = real_array("forces", forces, (equation.unknowns,), "component")
         φ = f / (slope(network, f) if stiffness is None else stiffness)
     elif stiffness is not None:
         raise ValueError("stiffness is not used without forces")

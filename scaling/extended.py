@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from doubledouble import DoubleDouble, hypot, segment_sums
-from scaling import checks
-from scaling.checks import Floats, Integers
+from packing.arrays import Floats, Integers, real_array
 
 if TYPE_CHECKING:
     from scaling.loops import Loops
@@ -118,7 +117,7 @@ def _joined(name: str, high: Floats, low: ArrayLike | None, *lengths: Floats) ->
     """high + low, `low` below the rounding of the largest of `lengths`, in any unit."""
     if low is None:
         return DoubleDouble.of(high)
-    part = checks.finite(name, "entry", low, np.shape(high))
+    part = real_array(name, low, np.shape(high))
     # A rounded coordinate leaves half an ulp of the largest out; anything else is a mix-up.
     allowed = 4 * np.finfo(float).eps * max(float(np.abs(each).max()) for each in lengths)
     if np.abs(part).max(initial=0.0) > allowed:

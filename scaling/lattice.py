@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from scaling.checks import Floats, Integers
+from packing.arrays import Floats, Integers
 
 
 def reduced(cell: Floats) -> tuple[Floats, Integers]:

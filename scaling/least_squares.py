@@ -29,7 +29,7 @@ from scipy.linalg import svd, svdvals
 from scipy.sparse import csc_array, csr_array, eye_array
 from scipy.sparse.linalg import LinearOperator, eigsh, lsmr, splu
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 
 EXACT_UP_TO = 1000
 """Unknowns up to which singular values come from a dense decomposition."""

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from scaling.checks import Integers
+from packing.arrays import Integers
 
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork

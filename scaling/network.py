@@ -24,8 +24,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from packing.arrays import Floats, Integers, frozen, real_array
+from packing.immutable import Immutable
 from scaling import checks, subnetwork
-from scaling.checks import Floats, Integers, frozen
 from scaling.extended import Extended, with_low_parts
 from scaling.lattice import reduced
 from scaling.loops import Loops, faces
@@ -34,7 +35,7 @@ from scaling.windings import Forest, spanning_forest, winding_loops
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class ContactNetwork:
+class ContactNetwork(Immutable):
     """What an experimenter measures: contacts, directions, sizes, loads. Immutable.
 
     Parameters
@@ -91,7 +92,7 @@ class ContactNetwork:
         N = len(R)
         ij = checks.integer("pairs", pairs)
         H = None if cell is None else checks.lattice(cell)
-        x = None if positions is None else checks.finite("position", "grain", positions, (N, 2))
+        x = None if positions is None else real_array("positions", positions, (N, 2), "grain")
         if images is None and H is not None and len(ij):
             if x is None:
                 raise ValueError("a periodic network without positions needs images")
@@ -111,7 +112,7 @@ class ContactNetwork:
             n = _normals(x, ij, m, H)
         F = np.zeros((N, 3))
         if external is not None:
-            F = checks.finite("external load", "grain", external, (N, 3))
+            F = real_array("external", external, (N, 3), "grain")
         self._set(
             positions=None if x is None else frozen(x),
             radii=frozen(R),
@@ -260,7 +261,7 @@ class ContactNetwork:
             raise ValueError(f"radii has shape {R.shape}, expected {self.radii.shape}")
         F = self.external
         if external is not None:
-            F = checks.finite("external load", "grain", external, self.external.shape)
+            F = real_array("external", external, self.external.shape, "grain")
         new = object.__new__(ContactNetwork)
         new.__dict__.update(self.__dict__)
         new.__dict__.pop("sigma", None)

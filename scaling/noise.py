@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
 from doubledouble import two_sum
-from scaling.checks import Floats
+from packing.arrays import Floats
 from scaling.extended import low_parts
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import csr_array, eye_array, hstack, vstack
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 from scaling.constrained import ConstrainedLeastSquares, global_moments
 from scaling.equation import ForceEquation, force_equation
 from scaling.sources import Sources

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 from scaling.equation import ForceEquation, force_equation
 from scaling.sources import Sources
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import block_array, csr_array, diags_array, eye_array
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 from scaling.constrained import global_moments
 from scaling.posterior import Posterior
 

@@ -23,8 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from scaling import checks
-from scaling.checks import Floats
+from packing.arrays import Floats, real_array
 from scaling.equation import ForceEquation, force_equation
 from scaling.error import mean_force
 from scaling.error_theory import LINEAR, error_map, slope
@@ -89,7 +88,7 @@ def gain(
     equation = force_equation(network, frictional, winding)
     f = None
     if forces is not None:
-        f = checks.finite("force", "component", forces, (equation.unknowns,))
+        f = real_array("forces", forces, (equation.unknowns,), "component")
     return _gain(equation, method, noise, f, stiffness)
 
 
@@ -148,7 +147,7 @@ def amplification(
     if not (np.isfinite(pressure) and pressure > 0):
         raise ValueError(f"pressure {pressure}: it must be positive")
     unknowns = network.contacts * (2 if frictional else 1)
-    f = checks.finite("force", "component", forces, (unknowns,))
+    f = real_array("forces", forces, (unknowns,), "component")
     mean = mean_force(f, frictional=frictional)
     if mean == 0:
         raise ValueError("the mean force is 0: there is no relative error")

@@ -21,10 +21,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaling import checks
+from packing.arrays import Floats, frozen, real_array
+from packing.immutable import Immutable
 from scaling.balanced import balanced_forces
 from scaling.bounded import bounded_forces
-from scaling.checks import Floats, frozen
 from scaling.equation import ForceEquation, force_equation
 from scaling.optimal import optimal_forces
 from scaling.posterior import posterior
@@ -37,7 +37,7 @@ METHODS = ("gppsz", "direct", "transverse", "balanced", "optimal", "bounded")
 
 
 @dataclass(frozen=True, eq=False)
-class Reconstruction:
+class Reconstruction(Immutable):
     """Forces found for a network.
 
     Attributes
@@ -176,7 +176,7 @@ def reconstruct(
     elif normal_forces is None:
         raise ValueError("method 'transverse' needs normal_forces")
     else:
-        fn = checks.finite("normal force", "contact", normal_forces, (network.contacts,))
+        fn = real_array("normal_forces", normal_forces, (network.contacts,), "contact")
     return _transverse(equation, fn, method, solver, tol)
 
 

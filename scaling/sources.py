@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.sparse import csr_array, diags_array, issparse
 
-from scaling.checks import Floats
+from packing.arrays import Floats
 from scaling.noise import (
     balance_response,
     check_moves,

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaling import checks
-from scaling.checks import Floats, frozen
+from packing.arrays import Floats, frozen, real_array
 from scaling.extended import low_parts
 
 if TYPE_CHECKING:
@@ -67,10 +66,10 @@ def inside(
         raise ValueError("tangential_forces without normal_forces")
     if normal_forces is not None:
         shape = (network.contacts,)
-        fn = checks.finite("normal force", "contact", normal_forces, shape)
+        fn = real_array("normal_forces", normal_forces, shape, "contact")
         ft = np.zeros(shape)
         if tangential_forces is not None:
-            ft = checks.finite("tangential force", "contact", tangential_forces, shape)
+            ft = real_array("tangential_forces", tangential_forces, shape, "contact")
         external += _loads_of_cut(network, inner, np.flatnonzero(cut), fn, ft)
     elif cut.any():
         e = int(np.argmax(cut))

@@ -9,8 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaling import checks
-from scaling.checks import Floats
+from packing.arrays import Floats, real_array
 from scaling.extended import low_parts
 from scaling.lattice import forward
 from scaling.network import ContactNetwork
@@ -64,7 +63,7 @@ def tiled_forces(network: ContactNetwork, forces: ArrayLike, copies: int) -> Flo
     ValueError: another number of forces, one that is not finite, or of copies.
     """
     parts = 2 if is_frictional(network, forces) else 1
-    f = checks.finite("force", "component", np.ravel(forces), (parts * network.contacts,))
+    f = real_array("forces", np.ravel(forces), (parts * network.contacts,), "component")
     return np.tile(f.reshape(parts, -1), (1, _whole(copies) ** 2)).ravel()
 
 

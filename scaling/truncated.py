@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import cholesky, qr, solve_triangular
 
+from packing.arrays import Floats
 from scaling.bounded import bounded_forces
-from scaling.checks import Floats
 from scaling.convex import minimise
 from scaling.posterior import Posterior
 from scaling.programme import Programme, programme

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scaling import checks
-from scaling.checks import Floats
+from packing.arrays import Floats, real_array
 from scaling.propagation import is_frictional
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = N
     ValueError: another number of forces, one that is not finite, or a wrong area.
     """
     frictional = is_frictional(network, forces)
-    f = checks.finite("force", "component", forces, (np.size(forces),))
+    f = real_array("forces", forces, (np.size(forces),), "component")
     c = network.contacts
     if network.cell is not None:
         if area is not None:

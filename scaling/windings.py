@@ -18,7 +18,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from scaling.checks import Integers
+from packing.arrays import Integers
 from scaling.loops import Loops
 
 if TYPE_CHECKING:

@@ -36,6 +36,7 @@ def tops(module: Path) -> set[str]:
     [
         ("dem", {"scaling", "paper_figs", "tests", "sympy"}),
         ("scaling", {"dem", "paper_figs", "tests"}),
+        ("packing", {"dem", "scaling", "paper_figs", "tests", "sympy", "matplotlib"}),
         ("doubledouble", {"dem", "scaling", "scipy", "sympy", "matplotlib"}),
     ],
 )

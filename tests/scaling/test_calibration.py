@@ -165,7 +165,7 @@ def test_bad_overlaps_and_pressures_are_refused():
         forces_of_overlaps(n, δ, 1.0, "optimal")
     with pytest.raises(ValueError, match="stiffness 0: it must be positive"):
         forces_of_overlaps(n, δ, 0)
-    with pytest.raises(ValueError, match="overlap of contact 3 is nan"):
+    with pytest.raises(ValueError, match=r"overlaps\[3\] \(contact 3\) is nan"):
         forces_of_overlaps(n, np.where(np.arange(len(δ)) == 3, np.nan, δ), 1.0)
     with pytest.raises(ValueError, match="the forces do not push"):
         to_pressure(n, -p.forces, p.pressure)

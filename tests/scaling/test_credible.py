@@ -84,9 +84,9 @@ def test_no_projected_draws_of_gaps():
 def test_coverage_refuses_other_shapes():
     ends = np.zeros(3), np.ones(3)
     assert coverage(*ends, np.array([0.5, 2.0, 0.0])) == pytest.approx(2 / 3)
-    with pytest.raises(ValueError, match=r"lower end has shape \(3,\), expected \(1,\)"):
+    with pytest.raises(ValueError, match=r"low has shape \(3,\), expected \(1,\)"):
         coverage(*ends, np.array([0.5]))
-    with pytest.raises(ValueError, match="true force of component 1 is nan"):
+    with pytest.raises(ValueError, match=r"true\[1\] \(component 1\) is nan"):
         coverage(*ends, np.array([0.5, np.nan, 0.5]))
 
 

@@ -118,7 +118,7 @@ def packing_network() -> ContactNetwork:
         ({"positions_low": np.full((3, 2), 1e-3)}, r"positions_low reaches 0\.001"),
         ({"radii_low": np.zeros(2)}, r"radii_low has shape \(2,\), expected \(3,\)"),
         ({"cell_low": np.zeros((2, 2))}, "there is no cell"),
-        ({"radii_low": np.array([0, np.nan, 0])}, "radii_low of entry 1 is nan"),
+        ({"radii_low": np.array([0, np.nan, 0])}, r"radii_low\[1\] is nan"),
     ],
 )
 def test_wrong_low_parts(low, message):

@@ -343,7 +343,7 @@ NOT_USED = [
     ),
     (
         {"method": "transverse", "normal_forces": [1, np.nan, 1]},
-        "normal force of contact 1 is nan",
+        r"normal_forces\[1\] \(contact 1\) is nan",
     ),
     (
         {"method": "direct", "frictional": False, "solver": "dense"},

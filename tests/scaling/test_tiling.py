@@ -90,5 +90,5 @@ def test_forces_of_no_network_are_not_tiled():
     with pytest.raises(ValueError, match=f"{3 * n.contacts} forces for {n.contacts} contacts"):
         tiled_forces(n, np.ones(3 * n.contacts), 2)
     f[4] = np.nan
-    with pytest.raises(ValueError, match="force of component 4 is nan"):
+    with pytest.raises(ValueError, match=r"forces\[4\] \(component 4\) is nan"):
         tiled_forces(n, f, 2)

@@ -1,0 +1,5 @@
+"""The ground on which `dem` and `scaling` both stand without knowing each other.
+
+Arguments are checked here, where they enter: `packing.numbers` for single values,
+`packing.arrays` for arrays. `packing.immutable` keeps records read-only.
+"""
