@@ -305,7 +305,7 @@ def test_failed_write_leaves_the_old_file_and_no_part(expected, tmp_path, monkey
     def full_disk(*args: object, **kwargs: object) -> None:
         raise OSError("no space left")
 
-    monkeypatch.setattr(np, "savez_compressed", full_disk)
+    monkeypatch.setattr("dem.packing_file.write_arrays", full_disk)
     with pytest.raises(OSError, match="no space"):
         expected[1].save(target)
     assert target.read_bytes() == old
