@@ -63,6 +63,8 @@ class Packing(Immutable):
 
     def __post_init__(self) -> None:
         radii = real_array("radii", self.radii, (None,))
+        if not len(radii):
+            raise ValueError("radii is empty: a packing has grains")
         pairs = whole_array("pairs", self.pairs, (None, 2))
         count, contacts = len(radii), len(pairs)
         arrays = {"radii": radii, "pairs": pairs}

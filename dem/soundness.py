@@ -30,9 +30,7 @@ def check_packing(p: Packing) -> None:
 
 
 def check_grains(p: Packing) -> None:
-    """There are grains, of positive radius, in a cell that has an area."""
-    if not len(p.radii):
-        raise ValueError("radii is empty: a packing has grains")
+    """Grains have a radius, their cell an area."""
     if bad := np.flatnonzero(p.radii <= 0).tolist():
         raise ValueError(f"grain {bad[0]} has radius {p.radii[bad[0]]}, not positive")
     if bad := np.flatnonzero(p.radii < SMALLEST).tolist():
