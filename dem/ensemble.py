@@ -221,7 +221,7 @@ class _Run:
         A pool hands out its tasks in their order: the first of those lost were at work.
         """
         lost = [k for k in self.missing if isinstance(self.failures.get(k), BrokenExecutor)]
-        failed = [k for k in self.failures if k not in lost]
+        failed = sorted(set(self.failures) - set(lost))
         if not (refusal or lost or failed):
             return
         error = refusal or self.failures[(lost + failed)[0]]
