@@ -405,3 +405,12 @@ def test_missing_rights_are_no_damage(tmp_path, monkeypatch):
     for call in (Packing.load, column().save):
         with pytest.raises(PermissionError, match=r"Permission denied: .*p\.npz"):
             call(path)
+
+
+def test_files_beyond_four_gigabytes_load(tmp_path, monkeypatch):
+    """Their zip has offsets of eight bytes; here it has them from a kilobyte on."""
+    monkeypatch.setattr(zipfile, "ZIP64_LIMIT", 1000)
+    path = saved(tmp_path)
+    monkeypatch.undo()
+    assert b"PK\6\6" in path.read_bytes()
+    assert same(Packing.load(path), column())

@@ -25,7 +25,7 @@ import ctypes, multiprocessing, os, sys, threading, time
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
-import dem.ensemble as ensemble
+import dem.ensemble as ensemble, dem.run as run
 from dem import Scene, relax_ensemble
 
 method, work, folder = sys.argv[1:]
@@ -50,7 +50,7 @@ def mark_idle():
 if __name__ == "__main__":
     ensemble.relax = minute
     if work == "unwatched":
-        ensemble.Watched, ensemble.hiring = lambda relax: relax, nullcontext
+        run.Watched, run.hiring = lambda relax: relax, nullcontext
     if work == "surplus":
         threading.Thread(target=mark_idle, daemon=True).start()
     tasks = 1 if work == "surplus" else 2
@@ -88,7 +88,10 @@ def orphans(
     script.write_text(RUN)
     marks.mkdir()
     count = 3 if work == "surplus" else 2
-    run = subprocess.Popen([sys.executable, str(script), method, work, str(marks)])
+    run = subprocess.Popen(
+        [sys.executable, str(script), method, work, str(marks)],
+        stderr=subprocess.DEVNULL,  # of semaphores that its fork server finds left
+    )
     started: list[int] = []
     try:
         assert wait_until(
