@@ -99,6 +99,8 @@ def seed_number(seed: Any) -> int:
     number = whole_number("seed", seed)
     if number < 0:
         raise ValueError(f"seed = {shown(number)} is negative")
+    if number >= 10**4000:  # Python writes and reads 4300
+        raise ValueError("seed has more than 4000 digits: no file could hold it")
     return number
 
 

@@ -427,6 +427,7 @@ def test_odd_arguments_are_refused_before_any_work(odd, message):
         ((24, 1, SETTINGS), "scene = 24 is no Scene"),
         ((SCENES[0], 1.0, SETTINGS), "seed = 1.0 is not a whole number"),
         ((SCENES[0], [1], SETTINGS), r"seed = \[1\] is not a whole number"),
+        ((SCENES[0], 10**5000, SETTINGS), "seed has more than 4000 digits"),
         ((SCENES[0], 1, None), "settings = None is no Settings"),
         ((SCENES[0], 1, {}), "settings = {} is no Settings"),
     ],
