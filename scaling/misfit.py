@@ -156,39 +156,51 @@ def _counted(
     network, forest = equation.network, equation.network.forest
     labels, part = np.unique(forest.component[network.active], return_inverse=True)
     count, winding = len(labels), forest.winding_rank[labels]
-    per = 3 if equation.frictional else 2
-    rows = per * np.bincount(part, minlength=count)
     of_contact = np.searchsorted(labels, forest.component[network.pairs[:, 0]])
     c = np.bincount(of_contact, minlength=count)
-    left = rows - 2
-    if not equation.frictional and not noise.moves:
-        left = left - (winding == 0)
+    balances = (3 if equation.frictional else 2) * np.bincount(part, minlength=count) - 2
+    moments = np.zeros(count, dtype=np.int64)
+    if equation.frictional:
+        columns = csc_array(global_moments(network))
+        grain = columns.indices[columns.indptr[:-1]] % len(network.active)
+        moments = np.bincount(part[grain], minlength=count)
+    elif not noise.moves:
+        moments = (winding == 0).astype(np.int64)  # met by normal forces, whatever they are
     if data == "sizes":
         loops = csc_array(network.loops.incidence.T)
         first = loops.indices[loops.indptr[:-1]]
         faces = np.bincount(of_contact[first], minlength=count)
-        # All faces of a torus add up to 0.
-        left = left + 2 * faces - 2 * (winding == 2) - (2 if equation.frictional else 1) * c
-    elif equation.frictional:
-        left = left - c
-        moments = csc_array(free[:, c.sum() :])
-        grain = moments.indices[moments.indptr[:-1]] % len(network.active)
-        left = left - np.bincount(part[grain], minlength=count)
-    return int(np.minimum(left, _acting_sources(equation, acting, part, count)).sum())
+        # The faces of a torus add up to 0, and f_n ∝ r closes all loops.
+        closures = np.minimum(2 * faces - 2 * (winding == 2), c - 1)
+        # Of several moments, joined by bridges, the one of the whole is not exactly 0.
+        exact = moments - (moments > 0) if equation.frictional else moments
+        left = balances - exact + closures - (2 if equation.frictional else 1) * c
+    else:
+        left = balances - moments - (c if equation.frictional else 0)
+    sources = np.bincount(
+        _component_of_source(equation, acting, part, of_contact), minlength=count
+    )
+    if data == "sizes":
+        # Without loads, sizes and forces may grow by one factor.
+        loaded = network.external[network.active].any(axis=1)
+        sources = sources - (np.bincount(part[loaded], minlength=count) == 0)
+    return int(np.minimum(left, sources).sum())
 
 
-def _acting_sources(
-    equation: ForceEquation, acting: csr_array, part: Integers, count: int
+def _component_of_source(
+    equation: ForceEquation, acting: csr_array, part: Integers, of_contact: Integers
 ) -> Integers:
-    """Independent sources that act on each component."""
+    """The component on which each source acts that acts on any: by the first row that feels it."""
     columns = csc_array(acting)
-    columns.sum_duplicates()
-    seen = np.diff(columns.indptr) > 0
-    row = columns.indices[columns.indptr[:-1][seen]]
-    rows = equation.M.shape[0]
-    if (row >= rows).any():  # of loops: by the grains whose sizes they are
-        return np.bincount(part, minlength=count)
-    return np.bincount(part[row % len(equation.network.active)], minlength=count)
+    columns.eliminate_zeros()
+    columns.sort_indices()
+    row = columns.indices[columns.indptr[:-1][np.diff(columns.indptr) > 0]]
+    balances, loops = equation.M.shape[0], equation.matrices.loops
+    if acting.shape[0] == balances:
+        return part[row % len(equation.network.active)]
+    incidence = csr_array(loops.incidence)
+    first = incidence.indices[incidence.indptr[(row - balances) % len(loops)]]
+    return of_contact[first]
 
 
 # --- bounded ------------------------------------------------------------------------------
@@ -217,7 +229,7 @@ def _traces(task: Programme, met: Any) -> tuple[float, float]:
     length = np.sqrt(np.asarray(E.multiply(E).sum(axis=1)).ravel())
     E = csr_array(diags_array(1 / np.where(length > 0, length, 1.0)) @ E)
     lower = -_SHIFT * eye_array(E.shape[0])
-    P[P == 0] = _SHIFT
+    P = np.where(P == 0, _SHIFT, P)
     factor = splu(csc_array(block_array([[diags_array(P), E.T], [E, lower]])))
     root = np.sqrt(P[n : n + k])
     probes: Floats = np.eye(k)

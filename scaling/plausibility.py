@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from scaling.network import ContactNetwork
 
 DEEPEST = 0.2
-"""Mean overlap, or mean gap, over the mean diameter of the grains in contact."""
+"""Mean overlap over the mean diameter of the grains in contact."""
+FARTHEST = 0.5
+"""Mean gap, likewise; noise makes gaps, but on average it makes as many overlaps."""
 _EXCESS = 1e-6
 """|f_t| - μ f_n, in ⟨f_n⟩, that rounding may make."""
 
@@ -30,9 +32,9 @@ class BeyondFrictionWarning(UserWarning):
 
 
 def refuse_deep_overlaps(network: ContactNetwork) -> None:
-    """ValueError where grains overlap, or are apart, by more than 0.2 ⟨σ⟩ on average."""
+    """ValueError where grains overlap by more than 0.2 ⟨σ⟩ on average, or are 0.5 ⟨σ⟩ apart."""
     depth = mean_overlap(network)
-    if abs(depth) <= DEEPEST:
+    if -FARTHEST <= depth <= DEEPEST:
         return
     if depth > 0:
         cause = "diameters given as radii, or radii and positions in different units"
@@ -42,7 +44,7 @@ def refuse_deep_overlaps(network: ContactNetwork) -> None:
         what = "are apart by"
     raise ValueError(
         f"grains in contact {what} {abs(depth):.3g} of their diameters on average, beyond "
-        f"{DEEPEST:g}: no contact force follows from that. Likely cause: {cause}"
+        f"{DEEPEST if depth > 0 else FARTHEST:g}: no contact force follows from that. Likely cause: {cause}"
     )
 
 
