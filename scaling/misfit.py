@@ -44,7 +44,7 @@ IMPROBABLE = 1e-6
 """Two-sided tail of χ² below which noise is called implausible."""
 DENSE_UP_TO = 300
 """Conditions up to which ranks are those of a decomposition."""
-EXACT_UP_TO = 400
+EXACT_UP_TO = 128
 """Sources of noise up to which a trace is summed, not sampled."""
 _PROBES = 64
 _RANK = 1e-10
@@ -210,9 +210,9 @@ def misfit_of_bounded(task: Programme, z: Floats) -> Misfit:
     """Of `scaling.bounded`: at the solution z of its programme."""
     η = task.noise(z)
     met = np.flatnonzero(task.cone @ z > -_ACTIVE)
-    most = _traces(task, task.cone[met])[0]
-    least = _traces(task, task.cone[:0])[1]
-    return Misfit(float(η @ η), most, least)
+    free = _traces(task, task.cone[:0])
+    most = _traces(task, task.cone[met])[0] if len(met) else free[0]
+    return Misfit(float(η @ η), most, free[1])
 
 
 def _traces(task: Programme, met: Any) -> tuple[float, float]:
@@ -231,17 +231,13 @@ def _traces(task: Programme, met: Any) -> tuple[float, float]:
     lower = -_SHIFT * eye_array(E.shape[0])
     P = np.where(P == 0, _SHIFT, P)
     factor = splu(csc_array(block_array([[diags_array(P), E.T], [E, lower]])))
-    root = np.sqrt(P[n : n + k])
+    root = np.sqrt(P[n : n + k])[:, None]
     probes: Floats = np.eye(k)
     weight = 1.0
     if k > EXACT_UP_TO:
         signs = np.random.default_rng(0).integers(0, 2, (k, _PROBES))
         probes, weight = 2.0 * signs - 1.0, 1 / _PROBES
-    first = second = 0.0
-    for probe in probes.T:
-        right = np.zeros(factor.shape[0])
-        right[n : n + k] = root * probe
-        kept = probe - root * factor.solve(right)[n : n + k]
-        first += weight * float(probe @ kept)
-        second += weight * float(kept @ kept)
-    return first, second
+    right = np.zeros((factor.shape[0], probes.shape[1]))
+    right[n : n + k] = root * probes
+    kept = probes - root * factor.solve(right)[n : n + k]
+    return weight * float(np.sum(probes * kept)), weight * float(np.sum(kept**2))

@@ -36,6 +36,7 @@ def refuse_deep_overlaps(network: ContactNetwork) -> None:
     depth = mean_overlap(network)
     if -FARTHEST <= depth <= DEEPEST:
         return
+    limit = DEEPEST if depth > 0 else FARTHEST
     if depth > 0:
         cause = "diameters given as radii, or radii and positions in different units"
         what = "overlap by"
@@ -44,7 +45,7 @@ def refuse_deep_overlaps(network: ContactNetwork) -> None:
         what = "are apart by"
     raise ValueError(
         f"grains in contact {what} {abs(depth):.3g} of their diameters on average, beyond "
-        f"{DEEPEST if depth > 0 else FARTHEST:g}: no contact force follows from that. Likely cause: {cause}"
+        f"{limit:g}: no contact force follows from that. Likely cause: {cause}"
     )
 
 
