@@ -133,6 +133,8 @@ def coverage(low: Floats, high: Floats, true: Floats, slack: float = 0.0) -> flo
     ValueError: the three do not have one shape, or are not finite.
     """
     true = real_array("true", true, None, "component")
+    if not true.size:
+        raise ValueError("true holds no forces")
     low = real_array("low", low, true.shape, "component")
     high = real_array("high", high, true.shape, "component")
     number_from_zero("slack", slack)

@@ -236,7 +236,7 @@ def _traces(task: Programme, met: Any) -> tuple[float, float]:
     weight = 1.0
     if k > EXACT_UP_TO:
         signs = np.random.default_rng(0).integers(0, 2, (k, _PROBES))
-        probes, weight = 2.0 * signs - 1.0, 1 / _PROBES
+        probes, weight = np.where(signs, 1.0, -1.0), 1 / _PROBES
     right = np.zeros((factor.shape[0], probes.shape[1]))
     right[n : n + k] = root * probes
     kept = probes - root * factor.solve(right)[n : n + k]

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,11 +20,9 @@ from packing.numbers import (
 )
 from scaling.equation import ForceEquation, force_equation
 from scaling.loads import refuse_mechanisms, refuse_unbalanced
+from scaling.network import ContactNetwork
 from scaling.plausibility import refuse_deep_overlaps
 from scaling.sources import Sources
-
-if TYPE_CHECKING:
-    from scaling.network import ContactNetwork
 
 
 @dataclass(frozen=True)
@@ -99,6 +96,7 @@ def posterior(
     its mean the standard deviation of σ̃ - r̃: for lists inferred from the geometry, where some
     are false. ValueError: bad input, or gaps where a contact is known without noise.
     """
+    instance("network", network, ContactNetwork)
     positive_number("stiffness", stiffness)
     choice("data", data, ("all", "sizes"))
     if noise is not None:
@@ -171,6 +169,7 @@ def virial_of(network: ContactNetwork, pressure: float | None) -> float:
 
 def flat_guess(network: ContactNetwork, pressure: float | None = None) -> Floats:
     """(2c,) the guess that knows only the load: f_n = f̄ = Σ f_n r/Σ r everywhere, f_t = 0."""
+    instance("network", network, ContactNetwork)
     fn = np.full(network.contacts, virial_of(network, pressure) / _lengths(network).sum())
     return np.concatenate([fn, np.zeros_like(fn)])
 

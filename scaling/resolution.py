@@ -13,6 +13,7 @@ rounding scatters the overlaps by √2 ξ, so what scatters far less was not rou
 
 from __future__ import annotations
 
+import re
 import sys
 import warnings
 from dataclasses import dataclass
@@ -21,7 +22,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from packing.arrays import Floats
+from packing.arrays import Floats, real_array
+from packing.numbers import shown
 
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork
@@ -39,6 +41,7 @@ TOUCHING = 8
 #: A cell has two to four numbers; with so many digits they were cut off, not chosen.
 CUT_OFF = range(5, 13)
 
+_KIND = re.compile(r"float(16|32|64)|\d{1,2} (decimals|digits)")
 _BINARY = (("float16", np.float16), ("float32", np.float32))
 _MOST_DIGITS = 13
 """Of a random double, so many decimal digits are met by chance once in fifty times."""
@@ -62,7 +65,12 @@ class Resolution:
 
 def rounding_steps(values: ArrayLike, kind: str) -> Floats:
     """h of each of ``values``, for "float16", "float32", "float64", "3 decimals" or "6 digits"."""
-    x = np.abs(np.asarray(values, float))
+    x = np.abs(real_array("values", values))
+    if not (isinstance(kind, str) and _KIND.fullmatch(kind)):
+        raise ValueError(
+            f"kind = {shown(kind)} is unknown; choose float16, float32, float64, "
+            "'3 decimals' or '6 digits' of any number"
+        )
     if kind.endswith("decimals"):
         return np.full(x.shape, 10.0 ** -int(kind.split()[0]))
     if kind.endswith("digits"):
@@ -74,12 +82,13 @@ def rounding_steps(values: ArrayLike, kind: str) -> Floats:
 
 def rounding_noise(values: ArrayLike, kind: str) -> float:
     """ξ = h/√12, rms over ``values``; for kinds see `rounding_steps`."""
-    return float(np.sqrt(np.mean(rounding_steps(values, kind) ** 2) / 12))
+    steps = rounding_steps(values, kind)
+    return float(np.sqrt(np.mean(steps**2) / 12)) if steps.size else 0.0
 
 
 def significant_digits(values: ArrayLike) -> int | None:
     """The fewest decimal digits that hold every number, or None if that takes more than 13."""
-    x = np.abs(np.asarray(values, float)).ravel()
+    x = np.abs(real_array("values", values)).ravel()
     x = x[x > 0]
     decade, slack = _decade(x), 4 * np.finfo(float).eps
     for digits in range(1, _MOST_DIGITS + 1):
@@ -95,7 +104,7 @@ def resolution(values: ArrayLike) -> Resolution:
 
     With fewer than 16 distinct values there is no evidence of rounding: float64.
     """
-    x = np.asarray(values, float).ravel()
+    x = real_array("values", values).ravel()
     if _kinds(x[:_GLANCE]) and len(np.unique(x)) >= EVIDENCE:
         found = [Resolution(kind, rounding_noise(x, kind)) for kind in _kinds(x)]
         if found:
