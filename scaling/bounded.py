@@ -22,43 +22,64 @@ On open networks p is not needed: that the loads are balanced says Σ f_n r = 2 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from packing.arrays import Floats
+from packing.numbers import instance
 from scaling.convex import minimise
 from scaling.posterior import Posterior
-from scaling.programme import Shift, programme
+from scaling.programme import Programme, Shift, programme
+from scaling.progress import running
 
 
-def bounded_forces(posterior: Posterior) -> tuple[Floats, Floats, dict[str, Any]]:
-    """(f, η, the solver's report) at the maximum of the posterior.
+class Maximum(NamedTuple):
+    """Forces, η, the solver's report, and the programme solved with its solution."""
+
+    forces: Floats
+    noise: Floats
+    report: dict[str, Any]
+    task: Programme
+    z: Floats
+
+
+def bounded_forces(
+    posterior: Posterior, progress: bool | None = None
+) -> tuple[Floats, Floats, dict[str, Any]]:
+    """(f, η, the solver's report) at the maximum of the posterior: see `bounded_maximum`."""
+    found = bounded_maximum(posterior, progress)
+    return found.forces, found.noise, found.report
+
+
+def bounded_maximum(posterior: Posterior, progress: bool | None = None) -> Maximum:
+    """The maximum of the posterior.
 
     Where noisy positions leave nothing feasible, the second order of the distances is let in as
     noise of its own (report: curved). ValueError: clarabel missing, or nothing feasible;
     RuntimeError: clarabel breaks down.
     """
-    try:
-        return passes(posterior, curved=False)
-    except ValueError:
-        if posterior.noise is None or not posterior.noise.moves:
-            raise
-    return passes(posterior, curved=True)
+    instance("posterior", posterior, Posterior)
+    with running("bounded: most probable forces", progress):
+        try:
+            return passes(posterior, curved=False)
+        except ValueError:
+            if posterior.noise is None or not posterior.noise.moves:
+                raise
+        return passes(posterior, curved=True)
 
 
-def passes(
-    posterior: Posterior, curved: bool, shift: Shift | None = None
-) -> tuple[Floats, Floats, dict[str, Any]]:
-    """`bounded_forces` with the second order of distances, or without.
+def passes(posterior: Posterior, curved: bool, shift: Shift | None = None) -> Maximum:
+    """`bounded_maximum` with the second order of distances, or without.
 
     `shift` moves every Gaussian by noise of its own size: see `scaling.credible`.
     """
     f, noise = np.zeros(posterior.equation.unknowns), posterior.noise
     f[: posterior.equation.network.contacts] = posterior.mean_force
-    count = 2 if noise is not None and noise.moves else 1
-    for _ in range(count):  # the turning of directions is linear at the forces of the last pass
-        task = programme(posterior, f, shift, curved)
+    task = programme(posterior, f, shift, curved)
+    z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
+    if noise is not None and noise.moves:
+        # The turning of directions is linear at the forces of the last pass.
+        task = programme(posterior, task.forces(z), shift, curved)
         z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
-        f, η = task.forces(z), task.noise(z)
-    return f, η, report | {"curved": curved}
+    return Maximum(task.forces(z), task.noise(z), report | {"curved": curved}, task, z)

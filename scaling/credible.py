@@ -21,22 +21,39 @@ from dataclasses import replace
 import numpy as np
 
 from packing.arrays import Floats, real_array
+from packing.numbers import (
+    choice,
+    flag,
+    generator,
+    instance,
+    number_between,
+    number_from_zero,
+    positive_number,
+    whole_number,
+)
 from scaling.bounded import bounded_forces, passes
 from scaling.posterior import Posterior, Prior
+from scaling.progress import counted
 from scaling.truncated import truncated_draws
 
 SPREAD = 2.0
 
 
-def posterior_draws(posterior: Posterior, rng: np.random.Generator, draws: int) -> Floats:
+def posterior_draws(
+    posterior: Posterior, rng: np.random.Generator, draws: int, *, progress: bool | None = None
+) -> Floats:
     """(draws, 2c) forces: all satisfy balance, friction and pressure.
 
     All draws are of one model: with the second order of distances if the maximum needs it, or if
-    one of them does. ValueError: nothing is feasible, or contacts that may be open (shifting
-    says nothing about the exponential prior of gaps).
+    one of them does. `progress`: None shows a bar on a terminal only, False never. ValueError:
+    bad input, nothing is feasible, or contacts that may be open (shifting says nothing about the
+    exponential prior of gaps).
     """
-    if draws < 1:
-        raise ValueError(f"draws = {draws}: at least one is needed")
+    instance("posterior", posterior, Posterior)
+    generator("rng", rng)
+    whole_number("draws", draws, 1)
+    if progress is not None:
+        flag("progress", progress)
     if posterior.gaps:
         raise ValueError("projected draws are for a Gaussian prior: gaps=True has another")
     k = 0 if posterior.noise is None else posterior.noise.count
@@ -45,17 +62,24 @@ def posterior_draws(posterior: Posterior, rng: np.random.Generator, draws: int) 
     for child in rng.spawn(draws):
         data, prior, second = map(child.standard_normal, sizes)
         shifts.append((data, prior, second))
-    curved = bounded_forces(posterior)[2]["curved"]
+    curved = bounded_forces(posterior, progress)[2]["curved"]
+
+    def drawn(curved: bool) -> Floats:
+        each = counted(shifts, draws, "projected draws", progress)
+        return np.array([passes(posterior, curved, shift).forces for shift in each])
+
     try:
-        return np.array([passes(posterior, curved, s)[0] for s in shifts])
+        return drawn(curved)
     except ValueError:
         if curved or posterior.noise is None or not posterior.noise.moves:
             raise
-    return np.array([passes(posterior, True, s)[0] for s in shifts])
+    return drawn(True)
 
 
 def widened(posterior: Posterior, spread: float = SPREAD) -> Posterior:
     """The posterior with a prior `spread` times as wide."""
+    instance("posterior", posterior, Posterior)
+    positive_number("spread", spread)
     prior = posterior.prior
     wide = Prior(prior.mean, spread * prior.normal, spread * prior.tangential)
     return replace(posterior, prior=wide)
@@ -69,31 +93,35 @@ def credible_intervals(
     level: float = 0.9,
     method: str = "projected",
     spread: float = SPREAD,
+    progress: bool | None = None,
 ) -> tuple[Floats, Floats]:
     """Lower and upper end, (2c,) each, that enclose a force with probability `level`.
 
     Quantiles of `draws` samples; the q-quantile of n of them is the order statistic q (n + 1), so
     that enclosing holds on average over draws too. `method`: "projected" or "exact", `spread`: of
-    the prior, both see above. ValueError: level not in (0, 1), too few draws for it, or an
-    unknown method.
+    the prior, both see above. `progress`: None shows a bar on a terminal only, False never.
+    ValueError: level not in (0, 1), too few draws for it, or other bad input.
     """
-    if not 0 < level < 1:
-        raise ValueError(f"level = {level}: it must be between 0 and 1")
+    number_between("level", level, 0, 1)
+    whole_number("draws", draws, 1)
+    choice("method", method, ("projected", "exact"))
     tail = (1 - level) / 2
     if draws * tail < 1 - 1e-9:
         raise ValueError(
             f"draws = {draws} cannot resolve tails of {tail:g}; "
             f"take at least {int(np.ceil(1 / tail - 1e-9))}"
         )
-    sampler = {"projected": posterior_draws, "exact": truncated_draws}.get(method)
-    if sampler is None:
-        raise ValueError(f"method {method!r}: choose 'projected' or 'exact'")
-    sample = sampler(widened(posterior, spread), rng, draws)
+    sampler = posterior_draws if method == "projected" else truncated_draws
+    sample = sampler(widened(posterior, spread), rng, draws, progress=progress)
     return enclosing(sample, level)
 
 
 def enclosing(sample: Floats, level: float) -> tuple[Floats, Floats]:
     """The interval of `credible_intervals` from draws (draws, 2c)."""
+    sample = real_array("sample", sample, (None, None), "draw")
+    if not len(sample):
+        raise ValueError("sample holds no draws")
+    number_between("level", level, 0, 1)
     tail = (1 - level) / 2
     low, high = np.quantile(sample, [tail, 1 - tail], axis=0, method="weibull")
     return low, high
@@ -104,7 +132,10 @@ def coverage(low: Floats, high: Floats, true: Floats, slack: float = 0.0) -> flo
 
     ValueError: the three do not have one shape, or are not finite.
     """
-    true = real_array("true", true, np.shape(true), "component")
+    true = real_array("true", true, None, "component")
+    if not true.size:
+        raise ValueError("true holds no forces")
     low = real_array("low", low, true.shape, "component")
     high = real_array("high", high, true.shape, "component")
+    number_from_zero("slack", slack)
     return float(np.mean((true >= low - slack) & (true <= high + slack)))

@@ -73,6 +73,8 @@ class ContactNetwork(Immutable):
     # What depends on pairs and directions alone (loops, matrices, factorisations), shared with the
     # networks that differ in sizes and loads only.
     _geometry: dict[Any, Any]
+    # Rounding of the loads relative to themselves, where they come from forces that were rounded.
+    _load_rounding: float
 
     def __init__(
         self,
@@ -125,7 +127,9 @@ class ContactNetwork(Immutable):
             extended=with_low_parts(x, R, H, positions_low, radii_low, cell_low),
             _directions_measured=normals is not None,
             _geometry={},
+            _load_rounding=0.0,
         )
+        warn_if_coarse(self, built=True)
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():

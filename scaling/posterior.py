@@ -6,16 +6,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from packing.arrays import Floats
+from packing.numbers import (
+    choice,
+    finite_number,
+    flag,
+    instance,
+    number_from_zero,
+    positive_number,
+)
 from scaling.equation import ForceEquation, force_equation
+from scaling.loads import refuse_mechanisms, refuse_unbalanced
+from scaling.network import ContactNetwork
+from scaling.plausibility import refuse_deep_overlaps
 from scaling.sources import Sources
-
-if TYPE_CHECKING:
-    from scaling.network import ContactNetwork
 
 
 @dataclass(frozen=True)
@@ -30,12 +37,9 @@ class Prior:
     tangential: float = 0.5
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.mean):
-            raise ValueError(f"prior: mean = {self.mean} is not finite")
-        for name in ("normal", "tangential"):
-            width = getattr(self, name)
-            if not (np.isfinite(width) and width > 0):
-                raise ValueError(f"prior: {name} = {width}, a standard deviation is positive")
+        finite_number("prior: mean", self.mean)
+        positive_number("prior: normal", self.normal)
+        positive_number("prior: tangential", self.tangential)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,22 +96,29 @@ def posterior(
     its mean the standard deviation of σ̃ - r̃: for lists inferred from the geometry, where some
     are false. ValueError: bad input, or gaps where a contact is known without noise.
     """
-    if not (np.isfinite(stiffness) and stiffness > 0):
-        raise ValueError(f"stiffness {stiffness}: it must be positive")
-    if data not in ("all", "sizes"):
-        raise ValueError(f"data {data!r}: choose 'all' or 'sizes'")
-    if gaps and (data != "all" or noise is None):
+    instance("network", network, ContactNetwork)
+    positive_number("stiffness", stiffness)
+    choice("data", data, ("all", "sizes"))
+    if noise is not None:
+        instance("noise", noise, Sources, ": see scaling.sources")
+    if prior is not None:
+        instance("prior", prior, Prior)
+    if flag("gaps", gaps) and (data != "all" or noise is None):
         raise ValueError("gaps are for data='all' with noise of finite strength")
     if friction is None:
-        if frictional:
+        if flag("frictional", frictional):
             raise ValueError("a posterior with friction needs the friction coefficient")
         friction = 0.0
-    if not (np.isfinite(friction) and friction >= 0):
-        raise ValueError(f"friction {friction}: it cannot be negative")
+    number_from_zero("friction", friction)
     if data == "sizes" and noise is not None and noise.moves:
         raise ValueError("data='sizes' takes directions as exact: position noise needs data='all'")
+    if noise is not None:
+        refuse_deep_overlaps(network)
+    equation = force_equation(network, flag("frictional", frictional))
+    refuse_unbalanced(equation)
+    refuse_mechanisms(equation)
     collected = Posterior(
-        force_equation(network, frictional),
+        equation,
         stiffness,
         noise,
         friction,
@@ -125,12 +136,18 @@ def posterior(
 def virial_of(network: ContactNetwork, pressure: float | None) -> float:
     """Σ f_n r: 2 p A of a periodic cell, -Σ x·F of the loads if open.
 
-    ValueError else, and for a periodic cell with loads: what they add to Σ f_n r depends on
-    where the cell is cut.
+    ValueError else, for a cell that no contacts wind, which then carry no pressure, and for a
+    periodic cell with loads: what they add to Σ f_n r depends on where the cell is cut.
     """
     if network.cell is not None:
-        if pressure is None or not (np.isfinite(pressure) and pressure > 0):
-            raise ValueError(f"pressure {pressure}: a periodic network needs a positive one")
+        if pressure is None:
+            raise ValueError("pressure None: a periodic network needs a positive one")
+        p = positive_number("pressure", pressure)
+        if not network.forest.winding_rank.any():
+            raise ValueError(
+                f"pressure {p:g}: no component of the contact network winds the periodic cell, "
+                "so nothing in it can carry a pressure"
+            )
         pushed = network.external[:, :2].any(axis=1)
         if pushed.any():
             i = int(np.argmax(pushed))
@@ -139,7 +156,7 @@ def virial_of(network: ContactNetwork, pressure: float | None) -> float:
                 f"the pressure of a periodic cell does not give Σ f_n r with loads: grain {i} has "
                 f"({F[0]:.3g}, {F[1]:.3g}), one of {pushed.sum()}"
             )
-        return 2 * pressure * abs(float(np.linalg.det(network.cell)))
+        return 2 * p * abs(float(np.linalg.det(network.cell)))
     if pressure is not None:
         raise ValueError("method 'bounded' does not use pressure if the network is open")
     if network.positions is None:
@@ -152,6 +169,7 @@ def virial_of(network: ContactNetwork, pressure: float | None) -> float:
 
 def flat_guess(network: ContactNetwork, pressure: float | None = None) -> Floats:
     """(2c,) the guess that knows only the load: f_n = f̄ = Σ f_n r/Σ r everywhere, f_t = 0."""
+    instance("network", network, ContactNetwork)
     fn = np.full(network.contacts, virial_of(network, pressure) / _lengths(network).sum())
     return np.concatenate([fn, np.zeros_like(fn)])
 

@@ -19,6 +19,11 @@ from packing.arrays import Floats
 from scaling.global_moments import global_moments
 from scaling.posterior import Posterior
 
+_NO_LIMIT = 1e8
+"""Friction above which |f_t| <= μ f_n asks for f_n >= 0 within the tolerance of the solver."""
+_WEAK = 0.1
+"""Friction below which f_n >= 0 is asked for by itself."""
+
 Shift = tuple[Floats, Floats, Floats]
 """Standard normals by which data, prior mean and second order move, (k,), (n,) and (c,)."""
 
@@ -166,10 +171,17 @@ def _pressure(p: Posterior) -> tuple[csr_array, Floats]:
 
 
 def _cone(contacts: int, friction: float, frictional: bool) -> csr_array:
-    """Rows whose product with f must not be positive: ±f_t - μ f_n, or -f_n."""
+    """Rows whose product with f must not be positive: ±f_t - μ f_n, or -f_n.
+
+    Rows are scaled to entries up to 1, so that strong friction counts no more than weak.
+    """
     one = eye_array(contacts)
     if not frictional:
         return csr_array(-one)
-    rows = [[-friction * one, one], [-friction * one, -one]]
-    # With μ > 0 the sum of the two says f_n >= 0.
-    return csr_array(block_array(rows if friction > 0 else [*rows, [-one, 0 * one]]))
+    push = [-one, 0 * one]
+    if friction >= _NO_LIMIT:
+        return csr_array(block_array([push]))
+    scale = 1 / max(1.0, friction)
+    rows = [[-scale * friction * one, scale * one], [-scale * friction * one, -scale * one]]
+    # The sum of the two says μ f_n >= 0: with weak friction that is hardly felt.
+    return csr_array(block_array(rows if friction >= _WEAK else [*rows, push]))

@@ -3,6 +3,9 @@
 A contact e = (i, j) that is cut acts on the grain that stays as an external load:
 
     on i:  force -f_n n + f_t t,  torque R_i f_t;      on j:  the opposite force, torque R_j f_t.
+
+A grain all of whose contacts were cut balances by itself: what is left of its load is the
+rounding of these forces, and no load.
 """
 
 from __future__ import annotations
@@ -12,13 +15,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from packing.arrays import Floats, frozen, real_array
+from packing.arrays import Floats, frozen, real_array, truth_array, whole_array
+from packing.numbers import flag, shown
 from scaling.extended import low_parts
+from scaling.resolution import EVIDENCE, force_rounding, significant_digits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from scaling.network import ContactNetwork
+
+_ROUNDING = 64 * np.finfo(float).eps
+"""Of a sum of a few contact forces, in units of their magnitudes."""
 
 
 def without_rattlers(network: ContactNetwork, frictional: bool = True) -> ContactNetwork:
@@ -28,7 +36,7 @@ def without_rattlers(network: ContactNetwork, frictional: bool = True) -> Contac
     grain with an external load is never dropped. Grains keep their numbers (a rattler stays
     as a grain without contacts); `contact_index` says which contacts were kept.
     """
-    need = 2 if frictional else 3
+    need = 2 if flag("frictional", frictional) else 3
     loaded = network.external.any(axis=1)
     keep = np.ones(network.contacts, dtype=bool)
     while True:
@@ -62,6 +70,7 @@ def inside(
     at_i, at_j = inner[network.pairs].T
     keep, cut = at_i & at_j, at_i ^ at_j
     external = np.where(inner[:, None], network.external, 0.0)
+    rounding = network._load_rounding
     if normal_forces is None and tangential_forces is not None:
         raise ValueError("tangential_forces without normal_forces")
     if normal_forces is not None:
@@ -70,7 +79,15 @@ def inside(
         ft = np.zeros(shape)
         if tangential_forces is not None:
             ft = real_array("tangential_forces", tangential_forces, shape, "contact")
+        rounding = max(rounding, _force_digits(fn), _force_digits(ft))
         external += _loads_of_cut(network, inner, np.flatnonzero(cut), fn, ft)
+        alone = inner & (np.bincount(network.pairs[keep].ravel(), minlength=network.grains) == 0)
+        if alone.any():
+            size = _size_of_cut(network, cut, np.hypot(fn, ft))
+            slack = max(_ROUNDING, rounding, force_rounding(network)) * size
+            arm = np.column_stack([np.ones((network.grains, 2)), network.radii])
+            nothing = (abs(external) <= slack[:, None] * arm).all(axis=1)
+            external[alone & nothing] = 0.0
     elif cut.any():
         e = int(np.argmax(cut))
         raise ValueError(
@@ -78,17 +95,37 @@ def inside(
             f"(grains {network.pairs[e, 0]} and {network.pairs[e, 1]}): give normal_forces, "
             "they become the loads on the region"
         )
-    return _unwrapped(_select(network, keep, external))
+    part = _unwrapped(_select(network, keep, external))
+    part._set(_load_rounding=rounding)
+    return part
+
+
+def _force_digits(forces: Floats) -> float:
+    """The relative rounding of forces written with few digits, 0 for plain doubles."""
+    if len(np.unique(forces)) < EVIDENCE:
+        return 0.0
+    digits = significant_digits(forces)
+    return 0.0 if digits is None else 10.0 ** (1 - digits)
+
+
+def _size_of_cut(network: ContactNetwork, cut: NDArray[np.bool_], size: Floats) -> Floats:
+    """(N,) sum of the magnitudes of the cut forces on each grain."""
+    i, j = network.pairs[cut].T
+    count = network.grains
+    total = np.bincount(i, size[cut], count) + np.bincount(j, size[cut], count)
+    return np.asarray(total, dtype=float)
 
 
 def _grain_mask(mask: ArrayLike, grains: int) -> NDArray[np.bool_]:
-    array = np.asarray(mask)
+    try:
+        array = np.asarray(mask)
+    except ValueError:  # rows of unequal length
+        array = np.asarray(None)
+    if isinstance(mask, np.ma.MaskedArray) or array.ndim != 1 or array.dtype.kind not in "biu":
+        raise ValueError(f"mask = {shown(mask)}: (N,) booleans or a list of grain numbers")
     if array.dtype == bool:
-        if array.shape != (grains,):
-            raise ValueError(f"mask has shape {array.shape}, expected ({grains},)")
-        return array
-    if array.ndim != 1 or not np.issubdtype(array.dtype, np.integer):
-        raise ValueError("mask must be (N,) booleans or a list of grain numbers")
+        return truth_array("mask", mask, (grains,))
+    array = whole_array("mask", mask, (None,))
     unknown = (array < 0) | (array >= grains)
     if unknown.any():
         raise ValueError(f"mask names grain {array[np.argmax(unknown)]} of {grains}")
@@ -122,7 +159,7 @@ def _select(network: ContactNetwork, keep: NDArray[np.bool_], external: Floats) 
         normals=network.normals[keep] if network._directions_measured else None,
         **low_parts(network.extended),
     )
-    new._set(contact_index=frozen(np.flatnonzero(keep)))
+    new._set(contact_index=frozen(np.flatnonzero(keep)), _load_rounding=network._load_rounding)
     return new
 
 

@@ -15,10 +15,12 @@ import numpy as np
 from scipy.linalg import cholesky, qr, solve_triangular
 
 from packing.arrays import Floats
+from packing.numbers import flag, generator, instance, whole_number
 from scaling.bounded import bounded_forces
 from scaling.convex import minimise
 from scaling.posterior import Posterior
 from scaling.programme import Programme, programme
+from scaling.progress import counted
 
 _MARGINS = 10.0 ** -np.arange(1.0, 8.0)
 """Distances from the walls, in f̄, at which a start is looked for."""
@@ -33,25 +35,34 @@ _MOST_BOUNCES = 100_000
 
 
 def truncated_draws(
-    posterior: Posterior, rng: np.random.Generator, draws: int, *, burn_in: int = 20
+    posterior: Posterior,
+    rng: np.random.Generator,
+    draws: int,
+    *,
+    burn_in: int = 20,
+    progress: bool | None = None,
 ) -> Floats:
     """(draws, 2c) forces, successive states of the chain after `burn_in` trajectories.
 
-    Directions turn linearly at the forces of the maximum. ValueError: nothing is feasible,
-    contacts that may be open (gaps have no Gaussian prior), less than one draw, burn_in negative.
+    Directions turn linearly at the forces of the maximum. `progress`: None shows a bar on a
+    terminal only, False never. ValueError: nothing is feasible, contacts that may be open (gaps
+    have no Gaussian prior), less than one draw, burn_in negative, or other bad input.
     """
-    if draws < 1:
-        raise ValueError(f"draws = {draws}: at least one is needed")
-    if burn_in < 0:
-        raise ValueError(f"burn_in = {burn_in}: it cannot be negative")
+    instance("posterior", posterior, Posterior)
+    generator("rng", rng)
+    whole_number("draws", draws, 1)
+    whole_number("burn_in", burn_in, 0)
+    if progress is not None:
+        flag("progress", progress)
     if posterior.gaps:
         raise ValueError("exact draws are for a Gaussian prior: gaps=True has another")
-    forces, _, report = bounded_forces(posterior)
+    forces, _, report = bounded_forces(posterior, progress)
     task = programme(posterior, forces, curved=report["curved"])
     centre, basis, u = _whitened(task, _interior(task))
     walls = Walls(-(task.cone @ basis), -(task.cone @ centre))
     found = []
-    for k in range(burn_in + draws):
+    flights = range(burn_in + draws)
+    for k in counted(flights, len(flights), "exact draws", progress):
         u = walls.trajectory(u, rng.standard_normal(len(u)))
         if k >= burn_in:
             found.append(task.forces(centre + basis @ u))
