@@ -8,6 +8,7 @@ The abscissa is the ξ/Δ that the two amount to: ξ² = (C_x² ξ_x² + C_R² �
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -16,7 +17,13 @@ from matplotlib.figure import Figure
 
 from dem import Packing
 from paper_figs.style import MARKERS, new_figure
-from scaling import ContactNetwork, amplification_of, reconstruct, relative_error
+from scaling import (
+    CoarseCoordinatesWarning,
+    ContactNetwork,
+    amplification_of,
+    reconstruct,
+    relative_error,
+)
 from scaling.resolution import rounding_noise
 
 KINDS = ("float16", "float32", *(f"{k} decimals" for k in range(2, 10)))
@@ -51,9 +58,11 @@ def compute(packings: Iterable[Packing], kinds: Iterable[str] = KINDS) -> np.nda
             xis = np.array([rounding_noise(x, kind), rounding_noise(p.radii, kind)])
             if xis.max() > COARSEST:
                 continue
-            network = ContactNetwork(
-                rounded(x, kind), rounded(p.radii, kind), p.pairs, cell=p.cell, images=images
-            )
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", CoarseCoordinatesWarning)  # it is what is studied
+                network = ContactNetwork(
+                    rounded(x, kind), rounded(p.radii, kind), p.pairs, cell=p.cell, images=images
+                )
             found = reconstruct(network, p.stiffness).forces
             predicted = float(np.hypot(*(C * xis))) / p.delta
             xi = predicted * p.delta / float(np.hypot(*C))

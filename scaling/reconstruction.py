@@ -38,7 +38,7 @@ from packing.numbers import (
 from scaling.balanced import balanced_forces
 from scaling.bounded import bounded_maximum
 from scaling.equation import ForceEquation, force_equation
-from scaling.evidence import Solved
+from scaling.evidence import NotAccurate, Solved
 from scaling.loads import refuse_mechanisms, refuse_unbalanced
 from scaling.misfit import misfit_of_bounded, misfit_of_optimal, warn_if_implausible
 from scaling.network import ContactNetwork
@@ -190,8 +190,8 @@ def reconstruct(
     )  # fmt: skip
     try:
         found = _ANSWERS[method](question)
-    except RuntimeError:
-        refuse_mechanisms(equation)  # if that is why the iteration broke down
+    except (RuntimeError, NotAccurate):
+        refuse_mechanisms(equation)  # if that is why the solver broke down
         raise
     refuse_mechanisms(equation, found.forces)
     return found

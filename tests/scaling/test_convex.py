@@ -90,5 +90,5 @@ def test_priors_without_width_are_refused(widths, message):
 
 
 def test_a_prior_without_mean_is_refused():
-    with pytest.raises(ValueError, match="prior: mean = nan is not finite"):
+    with pytest.raises(ValueError, match="prior: mean = nan is not a finite number"):
         Prior(np.nan)
