@@ -52,11 +52,11 @@ def run(packing: Packing, copies: int) -> None:
     rng = np.random.default_rng(SEED)
     noisy = perturb(network, packing.delta, rng)
     found = reconstruct(noisy, packing.stiffness, solver="lsmr", tol=1e-8)
-    error = relative_error(found.forces, forces)
+    error = relative_error(found, forces)
     clock(f"reconstructed at ξ = Δ: E = {error:.4f}")
     probed = error_map(network, solver="lsmr", tol=1e-6)
     K, bar = probed.estimated_gain(rng, PROBES)
-    scale = packing.pressure / mean_force(forces)
+    scale = packing.pressure / mean_force(forces, frictional=True)
     C, bar = K * scale, bar * scale
     clock(f"C = {C:.5f} ± {bar:.5f} ({PROBES} probes); N = {small.grains}: {exact:.5f}")
 

@@ -35,7 +35,7 @@ from scipy.sparse.linalg import splu
 from scipy.special import gammainc, gammaincc
 
 from packing.arrays import Floats, Integers
-from scaling.constrained import global_moments
+from scaling.global_moments import global_moments
 from scaling.equation import ForceEquation
 from scaling.programme import Programme
 from scaling.sources import Sources

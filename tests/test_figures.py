@@ -193,7 +193,7 @@ def test_the_bound_of_figure_4_is_exact():
         p = packing(grains=GRAINS, delta=1e-2, seed=seed)
         map_ = cramer_rao(ContactNetwork.from_packing(p), data="sizes")
         C = np.linalg.norm(map_.matrix) / np.sqrt(len(p.forces)) * p.pressure
-        assert fig4._bound(p, "diameter") == pytest.approx(C / mean_force(p.forces), rel=1e-6)
+        assert fig4._bound(p, "diameter") == pytest.approx(C / mean_force(p), rel=1e-6)
 
 
 def test_shares_of_contacts_are_means_and_errors_rms():

@@ -125,7 +125,8 @@ def test_list_error_by_hand():
     """True contacts 0 and 1 with f_n = 1; found: 0 with 2 and a false one with 1; missed: 1.
     Union of three, squares 1 + 1 + 1, E = √(3/6)."""
     matched = np.array([0]), np.array([0])
-    error = list_error(np.array([2.0, 1, 0, 0]), np.array([1.0, 1, 0, 0]), matched)
+    found, true = np.array([2.0, 1, 0, 0]), np.array([1.0, 1, 0, 0])
+    error = list_error(found, true, matched, frictional=True)
     assert error == pytest.approx(np.sqrt(0.5))
 
 

@@ -265,7 +265,7 @@ def test_a_stiffness_that_is_none_is_refused(stiffness):
 def test_amplification_of_the_new_methods():
     p = packing(delta=1e-2)
     E = error_map(network_of(p), "balanced")
-    C = E.gain * p.pressure / mean_force(p.forces)
+    C = E.gain * p.pressure / mean_force(p)
     assert amplification_of(p, "balanced") == pytest.approx(C)
     assert amplification_of(p, "optimal") < 1e-4 * C
 
