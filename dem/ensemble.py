@@ -27,7 +27,7 @@ from dem.settings import Settings
 from packing.numbers import seed_number
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
-ALGORITHM = 5
+ALGORITHM = 6
 #: The same for packings with Δ < 1e-6, which are continued from 1e-6.
 CONTINUATION = 1
 
