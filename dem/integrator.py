@@ -21,7 +21,7 @@ import numpy as np
 from dem.law import ContactLaw, Drive
 from dem.neighbours import Neighbours, find_neighbours
 from dem.numpy_kernel import Forces, Motion, kick
-from dem.state import Reached, State
+from dem.state import FURTHEST, Reached, State
 from packing.numbers import instance, positive_number, shown, whole_number
 
 BACKENDS = ("auto", "numpy", "numba")
@@ -125,9 +125,17 @@ def step(
         raise ValueError(f"pressure = {drive.pressure} asks for a cell, and the state has none")
     if single := check_precision(precision) == "float32":
         check_single(law, drive)
-    controlled = drive.pressure is not None
     kernel = _kernel(resolve_backend(backend))
     width = positive_number("skin", 0.3 * 2 * state.radii.mean() if skin is None else skin)
+    with np.errstate(all="ignore"):  # what overflows is found when it is written back
+        return _march(state, law, dt, drive, steps, width, kernel, single)
+
+
+def _march(
+    state: State, law: ContactLaw, dt: float, drive: Drive, steps: int, width: float,
+    kernel: ModuleType, single: bool,
+) -> State:  # fmt: skip
+    controlled = drive.pressure is not None
     if state._reached is not None and not state._reached.is_of(state):  # changed by hand
         state._near = state._reached = None
     near = state._near
@@ -136,11 +144,10 @@ def step(
     if law.friction == 0:
         near.elongation[:] = 0.0
     motion, listed = _motion(state, near, single, controlled)
-    rotates = law.friction > 0
     forces = _forces_reached(state, motion, law, controlled)
     if forces is None:
         forces = kernel.contact_forces(motion, listed, law, 0.0)
-    kick(motion, forces, drive, 0.5 * dt, 0.0, rotates)
+    kick(motion, forces, drive, 0.5 * dt, 0.0, law.friction > 0)
     drifted = False
     while steps > 0:
         done, drifted, forces = kernel.advance(
@@ -205,9 +212,16 @@ def _write_back(
         raise FloatingPointError(
             f"the cell scaled by {motion.scale:.3g}: the time step is too long"
         )
-    for name, there in (("left the plane", motion.z), ("has no finite velocity", motion.v)):
-        if not np.all(np.isfinite(there)):
-            grain = int(np.flatnonzero(~np.isfinite(there))[0])
+    lost = ~np.isfinite(motion.z)
+    if state.cell is not None:
+        width, height = FURTHEST * near.sides * motion.scale
+        lost |= (np.abs(motion.z.real) > width) | (np.abs(motion.z.imag) > height)
+    for name, bad in (
+        ("left the plane", lost),
+        ("has no finite velocity", ~np.isfinite(motion.v)),
+    ):
+        if bad.any():
+            grain = int(np.argmax(bad))
             raise FloatingPointError(f"grain {grain} {name}: the time step is too long")
     if not (np.all(np.isfinite(motion.s)) and np.all(np.isfinite(listed.elongation))):
         raise FloatingPointError("a grain spins without bounds: the time step is too long")

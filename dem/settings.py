@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dem.integrator import check_backend, check_precision
-from packing.numbers import flag, number_from_zero, positive_number
+from packing.numbers import SMALLEST, flag, number_from_zero, positive_number
 
 #: What each setting may be, in its unit.  Below a skin of 1e-3 the list is made anew at every
 #: step; above 2 it holds ten times the pairs that touch.  Nothing rests in hundreds of inertial
-#: times with a drag below 0.02 or above 100.  A speed of 1e-12 and a residual of 1e-15 are
-#: round-off; a record of a packing asks for a residual of 1e-2, a polish that ends above 1e-3 is
-#: none.
+#: times with a drag below 0.02 or above 100.  A speed of 1e-12 is round-off; a record of a
+#: packing asks for a residual of 1e-2, and a polish that ends above 1e-3 is none.
 LIMITS = {
     "drag": (1e-3, 1e3),
     "velocity_tolerance": (1e-12, 1e3),
-    "residual_tolerance": (1e-15, 1e-3),
+    "residual_tolerance": (SMALLEST, 1e-3),
     "skin": (1e-3, 2.0),
     "longest": (1e-3, 1e6),
 }
@@ -53,7 +52,7 @@ class Settings:
     Raises
     ------
     ValueError : naming the setting and its value, and the limits that it is outside of (a drag
-        from 1e-3 to 1e3, a skin from 1e-3 to 2, residual_tolerance from 1e-15 to 1e-3, longest up
+        from 1e-3 to 1e3, a skin from 1e-3 to 2, residual_tolerance up to 1e-3, longest up
         to 1e6); ``relax`` refuses what would take more than 1e8 time steps.
     """
 
