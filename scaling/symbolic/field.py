@@ -48,8 +48,12 @@ class ExactField:
         return total
 
     def matrix(self, dense: Matrix) -> DomainMatrix:
-        """Return a sympy matrix over this field."""
-        rows = [[self.convert(dense[i, j]) for j in range(dense.cols)] for i in range(dense.rows)]
+        """Return a sympy matrix over this field; each distinct entry is translated once."""
+        known: dict[Expr, Any] = {}
+        for entry in dense:
+            if entry not in known:
+                known[entry] = self.convert(entry)
+        rows = [[known[dense[i, j]] for j in range(dense.cols)] for i in range(dense.rows)]
         return DomainMatrix(rows, dense.shape, self.domain)
 
     def expression(self, element: Any) -> Expr:

@@ -16,6 +16,7 @@ from functools import cache
 import sympy as sp
 from sympy import Expr, Matrix
 from sympy.polys.matrices import DomainMatrix
+from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from scaling.symbolic.closure import loop_vector
 from scaling.symbolic.field import ExactField
@@ -99,10 +100,11 @@ def _named(network: SymbolicNetwork, matrix: str, frictional: bool) -> Matrix:
 
 
 def _solved(network: SymbolicNetwork, H: DomainMatrix, right: DomainMatrix) -> DomainMatrix:
-    found = H.to_dense().rank()
-    if found < H.shape[0]:
+    try:
+        return H.to_dense().lu_solve(right.to_dense())
+    except DMNonInvertibleMatrixError:
+        found = H.to_dense().rank()
         raise ValueError(
             f"{network.name}: G has rank {found} of {H.shape[0]}, null space of dimension "
             f"{H.shape[0] - found}: some forces change neither a balance nor a loop"
-        )
-    return H.to_dense().lu_solve(right.to_dense())
+        ) from None

@@ -9,7 +9,8 @@ import sympy as sp
 
 from scaling.symbolic import Step, common_mode_steps, derivation, perturbation_steps
 from scaling.symbolic.contact import Delta, alpha, kappa, pressure
-from scaling.symbolic.force_equation import GeneralTriangle, equation_steps
+from scaling.symbolic.force_equation import equation_steps
+from scaling.symbolic.general_triangle import GeneralTriangle
 
 ALL = {step.name: step for step in derivation()}
 MORE = [*perturbation_steps(), *common_mode_steps()]
