@@ -106,17 +106,19 @@ def displaced_defects(
 
 def loop_vector(loop: Loop, normals: Sequence[Direction], lengths: Sequence[Expr]) -> Direction:
     """Σ_e s_e ℓ_e n_e: two components; zero (or Λ) when ℓ are the distances r."""
-    x = sum((sign * lengths[e] * normals[e][0] for e, sign in loop), sp.S.Zero)
-    y = sum((sign * lengths[e] * normals[e][1] for e, sign in loop), sp.S.Zero)
+    x = sum(sign * lengths[e] * normals[e][0] for e, sign in loop)
+    y = sum(sign * lengths[e] * normals[e][1] for e, sign in loop)
     return (x, y)
 
 
 def closure_matrix(loops: Sequence[Loop], normals: Sequence[Direction]) -> Matrix:
-    """Q, (2·loops, c), x rows before y rows: the Jacobian of the loop vectors in the lengths."""
-    lengths = sp.symbols(f"l:{len(normals)}", real=True)
+    """Q, (2·loops, c), x rows before y rows: loop vectors of unit lengths, one contact at a time.
+
+    Loop vectors are linear in the lengths, so these are their derivatives.
+    """
     Q = sp.zeros(2 * len(loops), len(normals))
     for k, loop in enumerate(loops):
-        vector = loop_vector(loop, normals, lengths)
-        for axis, e in ((axis, e) for axis in (0, 1) for e in {e for e, _ in loop}):
-            Q[axis * len(loops) + k, e] = sp.diff(vector[axis], lengths[e])
+        for e in {e for e, _ in loop}:
+            unit = [sp.Integer(other == e) for other in range(len(normals))]
+            Q[k, e], Q[len(loops) + k, e] = loop_vector(loop, normals, unit)
     return Q

@@ -8,7 +8,7 @@
 
 A grain is at rest when its contact forces and its load F_ext cancel, M|f⟩ = -|F_ext⟩.
 Torque rows are divided by R_i, so every row is a force and M contains no sizes.
-M is not typed in: it is the Jacobian of the resultants below.  That these signs and arms are
+M is not typed in: its columns are the resultants, below, of one unit force each.  That these signs and arms are
 right is for `statics` to say, which starts from the motions of grains.
 """
 
@@ -69,15 +69,14 @@ def balance_matrix(
 ) -> Matrix:
     """M: (3N, 2c), or (2N, c) without friction, where f_t = 0 and no torque acts.
 
-    A contact's columns have entries in the rows of its own two grains, so its 6 × 2 Jacobian is
-    all there is to differentiate.
+    Resultants are linear in the forces: a column is what one unit force does, and it has entries in
+    the rows of its own two grains only.
     """
     c = len(pairs)
-    f_n, f_t = sp.symbols("f_n f_t", real=True)
     M = sp.zeros(3 * grains, 2 * c)
     for e, ((i, j), n) in enumerate(zip(pairs, normals, strict=True)):
-        block = resultants(2, [(0, 1)], [n], [f_n], [f_t]).jacobian([f_n, f_t])
-        for row, place in enumerate((i, j, grains + i, grains + j, 2 * grains + i, 2 * grains + j)):
-            M[place, e] += block[row, 0]
-            M[place, c + e] += block[row, 1]
+        places = (i, j, grains + i, grains + j, 2 * grains + i, 2 * grains + j)
+        for column, f_n, f_t in ((e, sp.S.One, sp.S.Zero), (c + e, sp.S.Zero, sp.S.One)):
+            for place, value in zip(places, resultants(2, [(0, 1)], [n], [f_n], [f_t]), strict=True):
+                M[place, column] += value
     return M if frictional else M[: 2 * grains, :c]

@@ -23,13 +23,13 @@ from scaling.symbolic.kinematics import Vector
 from scaling.symbolic.networks import triangle, u, v
 
 
-def corners(first: Expr, second: Expr, scale: Expr = sp.S.One) -> tuple[Vector, Vector, Vector]:
+def corners(first: Expr, second: Expr) -> tuple[Vector, Vector, Vector]:
     """Corners of the triangle with half-angle tangents `first`, `second` at the ends of its base.
 
     The base is the sum of two tangent lengths; the apex is where the sides at angles θ_0 and
     π - θ_1 meet.
     """
-    base = scale * (1 / first + 1 / second)
+    base = 1 / first + 1 / second
     rise, fall = (2 * x / (1 - x**2) for x in (first, second))
     across = sp.cancel(base * fall / (rise + fall))
     return (sp.S.Zero, sp.S.Zero), (base, sp.S.Zero), (across, sp.cancel(rise * across))
@@ -125,11 +125,12 @@ class PressedTriangle:
     def __init__(self) -> None:
         touching = triangle()
         shape = {u: u + self.a * Delta, v: v + self.b * Delta}
-        centres = corners(shape[u], shape[v], 1 - self.c * Delta)
-        normals = [(x.subs(shape, simultaneous=True), y.subs(shape, simultaneous=True))
-                   for x, y in (tuple(map(sp.sympify, n)) for n in touching.normals)]  # fmt: skip
-        r = distances(touching.pairs, normals, centres)
-        self.pairs = touching.pairs
+        normals = [
+            tuple(sp.sympify(x).subs(shape, simultaneous=True) for x in n)
+            for n in touching.normals
+        ]
+        unpressed = distances(touching.pairs, touching.normals, corners(u, v))
+        r = (1 - self.c * Delta) * unpressed.subs(shape, simultaneous=True)
         self.overlaps = Matrix(
             [sp.factor(contact.compression(s, x)) for s, x in zip(touching.sigma, r, strict=True)]
         )

@@ -18,6 +18,7 @@ from __future__ import annotations
 import sympy as sp
 from sympy import Expr, Matrix
 from sympy.polys.matrices import DomainMatrix
+from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from scaling.symbolic.contact import Delta, kappa, pressure
 from scaling.symbolic.general_triangle import GeneralTriangle, PressedTriangle
@@ -33,23 +34,26 @@ def touching_limit(matrix: Matrix) -> Matrix:
 
 
 def loop_response(G: Matrix, rows: int) -> Matrix:
-    """G⁺(0 ; 1) on the last `rows` rows, exact, for a G rational in Δ."""
-    exact = DomainMatrix.from_Matrix(G.applyfunc(sp.cancel)).convert_to(sp.QQ.frac_field(Delta))
-    H, transpose = exact.transpose() * exact, exact.transpose()
-    inverse = H.to_dense().lu_solve(transpose.to_dense()).to_Matrix()
-    return inverse[:, inverse.cols - rows :]
+    """G⁺(0 ; 1) on the last `rows` rows, exact, for a G rational in Δ; NaN if G has no inverse."""
+    exact = DomainMatrix.from_Matrix(G.applyfunc(sp.cancel)).to_field()
+    transpose = exact.transpose().to_dense()
+    loops = transpose.extract(range(G.cols), range(G.rows - rows, G.rows))
+    try:
+        return (transpose * exact.to_dense()).lu_solve(loops).to_Matrix()
+    except DMNonInvertibleMatrixError:
+        return sp.nan * sp.ones(G.cols, rows)
 
 
 def kernel_defects(loop: GeneralTriangle) -> tuple[Expr, ...]:
-    """Gᵀ(0; Q|σ⟩) - (QᵀQ|σ⟩; 0), and ⟨σ|QᵀQ|σ⟩ minus the square of Q|σ⟩, for any sizes."""
+    """Gᵀ(0; s) - (Qᵀs; 0) for any s, and ⟨σ|QᵀQ|σ⟩ minus the square of Q|σ⟩ for any sizes."""
     sizes = Matrix(sp.symbols(f"sigma_1:{loop.Q.cols + 1}", real=True))
+    any_sums = Matrix(sp.symbols(f"s_1:{loop.Q.rows + 1}", real=True))
+    reached = loop.G.T * Matrix.vstack(sp.zeros(loop.M.rows, 1), any_sums)
+    below = Matrix.vstack(loop.Q.T * any_sums, sp.zeros(loop.G.cols - loop.Q.cols, 1))
     s = loop.Q * sizes
-    reached = loop.G.T * Matrix.vstack(sp.zeros(loop.M.rows, 1), s)
-    back = loop.Q.T * s
-    padded = Matrix.vstack(back, sp.zeros(reached.rows - back.rows, 1))
     return (
-        *(sp.cancel(x) for x in reached - padded),
-        sp.cancel(sizes.dot(back) - s.dot(s)),
+        *(sp.expand(x) for x in reached - below),
+        sp.expand(sizes.dot(loop.Q.T * s) - s.dot(s)),
     )
 
 

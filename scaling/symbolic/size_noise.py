@@ -28,10 +28,12 @@ def unknown_inverse(loop: GeneralTriangle) -> Matrix:
 
 def identity_defect(loop: GeneralTriangle) -> tuple[Expr, ...]:
     """Columns of G minus its rank, for all angles at once, and G⁺G - 1 at the sample ones."""
-    exact = ExactField(loop.network)
+    missing = loop.G.cols - ExactField(loop.network).matrix(loop.G).rank()
+    if missing:
+        return (sp.Integer(missing),)
     G = loop.G.subs(loop.network.sample)
     product = (G.T * G).LUsolve(G.T) * G
-    return (sp.Integer(G.cols - exact.matrix(loop.G).rank()), *(product - sp.eye(G.cols)))
+    return (sp.S.Zero, *(product - sp.eye(G.cols)))
 
 
 def noise_defects(loop: GeneralTriangle) -> tuple[Expr, ...]:
