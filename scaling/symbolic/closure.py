@@ -101,7 +101,7 @@ def displaced_defects(
     branches = [kinematics.branch(centres[i], centres[j]) for i, j in pairs]
     turned = [(x / d, y / d) for (x, y), d in zip(branches, r, strict=True)]
     defects += list(closure_matrix(loops, turned) * Matrix(r))
-    return tuple(sp.cancel(x) for x in defects)
+    return tuple(defects)
 
 
 def loop_vector(loop: Loop, normals: Sequence[Direction], lengths: Sequence[Expr]) -> Direction:

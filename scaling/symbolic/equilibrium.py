@@ -8,8 +8,8 @@
 
 A grain is at rest when its contact forces and its load F_ext cancel, M|f⟩ = -|F_ext⟩.
 Torque rows are divided by R_i, so every row is a force and M contains no sizes.
-M is not typed in: its columns are the resultants, below, of one unit force each.  That these signs and arms are
-right is for `statics` to say, which starts from the motions of grains.
+M is not typed in: its columns are the resultants, below, of one unit force each.  That these
+signs and arms are right is for `statics` to say, which starts from the motions of grains.
 """
 
 from __future__ import annotations
@@ -69,14 +69,16 @@ def balance_matrix(
 ) -> Matrix:
     """M: (3N, 2c), or (2N, c) without friction, where f_t = 0 and no torque acts.
 
-    Resultants are linear in the forces: a column is what one unit force does, and it has entries in
-    the rows of its own two grains only.
+    Resultants are linear in the forces: a column is what one unit force does, and it has
+    entries in the rows of its own two grains only.
     """
     c = len(pairs)
     M = sp.zeros(3 * grains, 2 * c)
     for e, ((i, j), n) in enumerate(zip(pairs, normals, strict=True)):
         places = (i, j, grains + i, grains + j, 2 * grains + i, 2 * grains + j)
         for column, f_n, f_t in ((e, sp.S.One, sp.S.Zero), (c + e, sp.S.Zero, sp.S.One)):
-            for place, value in zip(places, resultants(2, [(0, 1)], [n], [f_n], [f_t]), strict=True):
+            for place, value in zip(
+                places, resultants(2, [(0, 1)], [n], [f_n], [f_t]), strict=True
+            ):
                 M[place, column] += value
     return M if frictional else M[: 2 * grains, :c]

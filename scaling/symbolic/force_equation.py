@@ -92,14 +92,14 @@ def equation_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
             r"M|f\rangle=-|F_{\rm ext}\rangle",
             "loads are minus the forces and couples applied at the rims, by cross products in "
             "space; torques divided by R_i leave no size in M",
-            tuple(sp.cancel(x) for x in balance),
+            tuple(balance),
         ),
         Step(
             "loop rows",
             "For linear contacts closure is linear in the normal forces: Q f_n = κ(Q|σ⟩ - Λ).",
             r"Q f_n=\kappa\,(Q|\sigma\rangle-\Lambda)",
             "closure in overlaps, with δ = f_n/κ",
-            tuple(sp.cancel(x) for x in linear),
+            tuple(linear),
         ),
         Step(
             "Eq. 1",
@@ -107,7 +107,7 @@ def equation_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
             r"G|f\rangle=\begin{pmatrix}-|F_{\rm ext}\rangle\\"
             r"\kappa Q|\sigma\rangle\end{pmatrix}",
             "stacking the two",
-            tuple(sp.cancel(x) for x in loop.G * loop.f - right),
+            tuple(loop.G * loop.f - right),
         ),
         Step(
             "rescaled",
@@ -115,7 +115,7 @@ def equation_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
             r"G|\hat f\rangle=\begin{pmatrix}-|\hat F_{\rm ext}\rangle\\"
             r"Q|\sigma\rangle/\Delta\end{pmatrix}",
             "f = p f̂, F = p F̂ and κ/p = 1/Δ",
-            tuple(sp.cancel(x) for x in loop.G * hat - rescaled_right),
+            tuple(loop.G * hat - rescaled_right),
         ),
         Step(
             "general law",

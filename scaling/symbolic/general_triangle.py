@@ -17,7 +17,7 @@ from sympy import Expr, Matrix
 
 from scaling.symbolic import contact, kinematics
 from scaling.symbolic.closure import closure_matrix
-from scaling.symbolic.contact import Delta, alpha
+from scaling.symbolic.contact import Delta
 from scaling.symbolic.equilibrium import Direction, balance_matrix
 from scaling.symbolic.kinematics import Vector
 from scaling.symbolic.networks import triangle, u, v

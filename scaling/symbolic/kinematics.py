@@ -81,7 +81,7 @@ def contact_rates() -> Matrix:
     rim_j = turned((R_j, sp.S.Zero), turn_j)
     slip = (q_t - rim_j[1]) - rim_i[1]
     moves = [q_n, q_t, turn_i, turn_j]
-    return Matrix([overlap, slip]).jacobian(moves).subs({move: 0 for move in moves})
+    return Matrix([overlap, slip]).jacobian(moves).subs(dict.fromkeys(moves, 0))
 
 
 def motion_map(
@@ -106,7 +106,7 @@ def motion_map(
 
 
 def rigid_motions(centres: Sequence[Vector], radii: Sequence[Expr]) -> Matrix:
-    """Two translations and the rotation about the origin, as columns (u_x, u_y, R_i ω), (3N, 3)."""
+    """Columns (u_x, u_y, R_i ω) of two translations and the rotation about the origin, (3N, 3)."""
     N = len(radii)
     ones, zeros = [sp.S.One] * N, [sp.S.Zero] * N
     omega = sp.Symbol("omega", real=True)

@@ -30,9 +30,7 @@ class NoisyLeastSquares:
         self.rho = tuple(Matrix(sp.symbols(f"rho_{k}_1:4", real=True)) for k in (1, 2))
         self.inverse = (self.G.T * self.G).inv()
         self.first = perturbation.first_order(self.inverse * self.G.T, self.rho[0])
-        self.second = perturbation.second_order(
-            self.G, self.inverse, self.A, self.rho, self.first
-        )
+        self.second = perturbation.second_order(self.G, self.inverse, self.A, self.rho, self.first)
 
     def normal_equations(self) -> tuple[tuple[Expr, ...], tuple[Expr, ...]]:
         """Orders ε and ε² of G'ᵀ(G'(εf₁ + ε²f₂) - ρ')."""

@@ -34,14 +34,17 @@ def touching_limit(matrix: Matrix) -> Matrix:
 
 
 def loop_response(G: Matrix, rows: int) -> Matrix:
-    """G⁺(0 ; 1) on the last `rows` rows, exact, for a G rational in Δ; NaN if G has no inverse."""
+    """G⁺(0 ; 1) on the last `rows` rows, exact, for a G rational in Δ.
+
+    Without full rank there is none: an unknown of its own, equal to nothing else.
+    """
     exact = DomainMatrix.from_Matrix(G.applyfunc(sp.cancel)).to_field()
     transpose = exact.transpose().to_dense()
     loops = transpose.extract(range(G.cols), range(G.rows - rows, G.rows))
     try:
         return (transpose * exact.to_dense()).lu_solve(loops).to_Matrix()
     except DMNonInvertibleMatrixError:
-        return sp.nan * sp.ones(G.cols, rows)
+        return sp.Dummy("undetermined") * sp.ones(G.cols, rows)
 
 
 def kernel_defects(loop: GeneralTriangle) -> tuple[Expr, ...]:
@@ -52,8 +55,8 @@ def kernel_defects(loop: GeneralTriangle) -> tuple[Expr, ...]:
     below = Matrix.vstack(loop.Q.T * any_sums, sp.zeros(loop.G.cols - loop.Q.cols, 1))
     s = loop.Q * sizes
     return (
-        *(sp.expand(x) for x in reached - below),
-        sp.expand(sizes.dot(loop.Q.T * s) - s.dot(s)),
+        *(reached - below),
+        sizes.dot(loop.Q.T * s) - s.dot(s),
     )
 
 
@@ -65,7 +68,7 @@ def closing_defects(loop: GeneralTriangle) -> tuple[Expr, ...]:
     defects = [*(loop.Q * loop.r), *sizes, *(loop.r - loop.network.sigma)]
     for (i, j), (n_x, n_y) in zip(loop.network.pairs, loop.network.normals, strict=True):
         defects.append(dot((-n_y, n_x), branch(loop.centres[i], loop.centres[j])))
-    return tuple(sp.cancel(x) for x in defects)
+    return tuple(defects)
 
 
 def reading_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
@@ -81,12 +84,12 @@ def reading_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
             "G knows no contact scale",
             "Built at any small overlap G tends to that of touching grains, which contains "
             "directions only: no stiffness, no pressure, no Δ.",
-            r"\lim_{\Delta\to0}G(\Delta)=G(0),\quad"
-            r"\partial G(0)/\partial\kappa=\partial G(0)/\partial p=\partial G(0)/\partial\Delta=0",
+            r"\lim_{\Delta\to0}G(\Delta)=G(0),\quad\partial G(0)/\partial\kappa"
+            r"=\partial G(0)/\partial p=\partial G(0)/\partial\Delta=0",
             "three grains of fixed sizes pressed by O(Δ), centres and directions moving with Δ; "
             "M and Q are Jacobians with respect to forces and lengths",
             (
-                *(sp.cancel(x) for x in limit - loop.G),
+                *(limit - loop.G),
                 *touching_limit(pressed.overlaps),
                 *(sp.diff(x, y) for x in loop.G for y in (kappa, pressure, Delta)),
             ),

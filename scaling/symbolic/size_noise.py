@@ -63,7 +63,7 @@ def noise_defects(loop: GeneralTriangle) -> tuple[Expr, ...]:
         for axis in (0, 1):
             longer = slope[0] * n[axis] + slope[1] * t[axis]
             defects += [A[e, axis * N + j] + longer, A[e, axis * N + i] - longer]
-    return tuple(sp.cancel(x) for x in defects)
+    return tuple(defects)
 
 
 def error_steps(loop: GeneralTriangle) -> tuple[Step, ...]:

@@ -8,7 +8,6 @@ import sympy as sp
 from sympy import Expr
 from sympy.core.function import AppliedUndef
 
-
 #: thirty digits are evaluated: what is larger is not zero
 TINY = sp.Float("1e-15")
 
@@ -27,7 +26,7 @@ def vanishes(difference: Expr) -> bool:
         value = difference.subs(at).evalf(30)
         if value.has(sp.nan, sp.zoo, sp.oo) or (value.is_comparable and abs(value) > TINY):
             return False
-    return bool(sp.simplify(difference) == 0)
+    return bool(sp.cancel(difference) == 0 or sp.simplify(difference) == 0)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The regular wheel of any size n: its gain as a Fourier sum over sectors, to any number of digits.
+"""The regular wheel of any size n: its gain as a Fourier sum, to any number of digits.
 
 In frames that turn with the sector angle θ = 2π/n, GᵀG is block-circulant: on the wave
 f_s = a e^{iqs}, q = 2πk/n, it is one Hermitian matrix H(q) of spoke and rim forces, and
@@ -71,9 +71,7 @@ def wave_term(n: int, k: int, frictional: bool) -> Any:
 def _summed(n: int, frictional: bool, precision: int) -> Any:
     with mp.workdps(precision):
         mirrored = [1 if k in (0, n - k) else 2 for k in range(n // 2 + 1)]  # of k and n - k
-        total = sum(
-            weight * wave_term(n, k, frictional) for k, weight in enumerate(mirrored)
-        )
+        total = sum(weight * wave_term(n, k, frictional) for k, weight in enumerate(mirrored))
         return total / (n * (4 if frictional else 2))
 
 
