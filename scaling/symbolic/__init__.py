@@ -16,7 +16,7 @@ from scaling.symbolic.fourier import ring_squared_gain
 from scaling.symbolic.gain import loop_gaps, null_space, pseudo_inverse, rank, squared_gain
 from scaling.symbolic.network import SymbolicNetwork
 from scaling.symbolic.networks import bowtie, rhombus, ring, square, triangle, wheel
-from scaling.symbolic.perturbation_steps import perturbation_steps
+from scaling.symbolic.noisy_triangle import perturbation_steps
 from scaling.symbolic.small_networks import table
 from scaling.symbolic.step import Step
 from scaling.symbolic.wheel_waves import wheel_squared_gain

@@ -16,7 +16,7 @@ Size noise alone leaves directions, hence G, as they are: A = ρ₂ = 0, f₂ = 
 exact.  E[f₁] = 0, so the bias is E[f₂] ~ ξ²/Δ (per unit p).
 
 The formulas use only @, + and .T: they act alike on sympy matrices and on NumPy arrays.  That they
-hold is checked in `perturbation_steps`, on matrices and on a triangle that is displaced.
+hold is checked in `noisy_triangle`, on matrices and on a triangle that is displaced.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ G⁺ cannot annihilate a Q|σ⟩ that is not zero: Gᵀ(0; Q|σ⟩) = QᵀQ|σ�
 the square of Q|σ⟩.  That is not to say that Qᵀ|s⟩ = 0 for s = 0 only: on a torus the same s on
 all faces is another solution, and dense networks have more.  Turned by 90° they are the loop
 potentials (Maxwell's reciprocal diagram) of normal forces that need no load; c - 2N + 1 in all in
-a periodic packing of Z > 4.  They are orthogonal to the range of Q, so no sizes make them.
+a periodic packing with c > 2N + 1.  They are orthogonal to the range of Q, so no sizes make them.
 
 Source: Comment on PRL 116, 078001 (2016).
 """

@@ -8,7 +8,8 @@ f_s = a e^{iqs}, q = 2πk/n, it is one Hermitian matrix H(q) of spoke and rim fo
 The hub's force reaches only q = ±θ, its torque and its noise only q = 0.  The rows are the
 resultants of `equilibrium` and the loop vectors of `closure` for a wave of unit amplitude, put
 into numbers before anything is inverted: n systems of four unknowns, where the symbolic
-inverse of one such matrix fills pages.
+inverse of one such matrix fills pages.  (mpmath, which computes them, is part of sympy's own
+requirements.)
 """
 
 from __future__ import annotations

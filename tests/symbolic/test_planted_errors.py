@@ -1,7 +1,8 @@
 """Errors planted in the inputs of the derivation: each makes the steps named beside it fail.
 
 An error is planted in one function (or table) of one module, wherever `scaling.symbolic` has
-imported it, and the steps are derived anew.  The control is the same machinery without an error.
+imported it, and the steps are derived anew.  The controls are `test_derivation`, where every
+step holds, and the same machinery without an error.
 """
 
 from __future__ import annotations
@@ -35,20 +36,21 @@ from scaling.symbolic.size_noise import error_steps
 from scaling.symbolic.statics import statics_steps
 
 PARTS = {
-    "geometry": lambda: equation.geometry_steps(GeneralTriangle()),
-    "statics": lambda: statics_steps(GeneralTriangle()),
-    "equation": lambda: equation.equation_steps(GeneralTriangle()),
-    "readings": lambda: reading_steps(GeneralTriangle()),
-    "errors": lambda: error_steps(GeneralTriangle()),
-    "scales": scale_steps,
-    "perturbation": perturbation_steps,
-    "common mode": common_mode.common_mode_steps,
+    "geometry": equation.geometry_steps,
+    "statics": statics_steps,
+    "equation": equation.equation_steps,
+    "readings": reading_steps,
+    "errors": error_steps,
+    "scales": lambda loop: scale_steps(),
+    "perturbation": lambda loop: perturbation_steps(),
+    "common mode": lambda loop: common_mode.common_mode_steps(),
 }
 
 
 def built(parts):
     """Steps by "part: name"."""
-    return {f"{part}: {step.name}": step for part in parts for step in PARTS[part]()}
+    loop = GeneralTriangle()
+    return {f"{part}: {step.name}": step for part in parts for step in PARTS[part](loop)}
 
 
 @cache
@@ -344,10 +346,6 @@ def test_a_planted_error_is_caught_by_name(plant, name):
     right, wrong, expected = ERRORS[name]
     plant(right, wrong)
     assert failing(expected) == set(expected)
-
-
-def test_without_an_error_every_step_holds():
-    assert {name for name, step in right_steps().items() if not step.holds} == set()
 
 
 def test_planting_nothing_fails_nothing(plant):
