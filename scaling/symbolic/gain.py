@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import sympy as sp
 from sympy import Expr, Matrix
@@ -87,8 +88,19 @@ def squared_gain(
 ) -> Expr:
     """K², exact: a rational function of the parameters, or an algebraic number."""
     X, exact = response(network, frictional, noise)
-    total = sum((x * x for row in X.to_list() for x in row), exact.domain.zero)
+    total = _sum_of_squares([x for row in X.to_list() for x in row], exact.domain)
     return sp.factor(exact.expression(total / exact.domain(X.shape[0])))
+
+
+def _sum_of_squares(elements: list[Any], domain: Any) -> Any:
+    """Σ x²; fractions of one denominator, as a common determinant makes them, are added first."""
+    if not domain.is_FractionField:
+        return sum((x * x for x in elements), domain.zero)
+    numerators: dict[Any, Any] = {}
+    for x in elements:
+        numerators[x.denom] = numerators.get(x.denom, 0) + x.numer**2
+    fractions = (domain.field.new(top, bottom**2) for bottom, top in numerators.items())
+    return sum(fractions, domain.zero)
 
 
 def _named(network: SymbolicNetwork, matrix: str, frictional: bool) -> Matrix:
