@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7, table1
-from paper_figs.packings import DELTAS, FULL, QUICK, seed_of
+from paper_figs.__main__ import write_all
+from paper_figs.packings import DELTAS, FULL, QUICK, ROOT, seed_of
 from paper_figs.periodic import Window
 from paper_figs.style import write
 from scaling import ContactNetwork, amplification_of, cramer_rao, mean_force
@@ -83,6 +84,22 @@ def test_figure_3_loses_the_chains_as_noise_passes_the_deformation(packings, tmp
     drawn = fig3.plot(table, fig3.choose(packings))
     paths = write(drawn, tmp_path, "fig3", table, fig3.facts(packings, SMALL))
     assert all(p.stat().st_size > 0 for p in paths)
+
+
+def test_only_the_figures_named_are_written(packings, tmp_path, capsys):
+    """Table 1 takes the errors of figure 1 with it, and nothing goes to another folder."""
+    edition = replace(SMALL, folder=tmp_path / "few")
+    said = []
+    write_all(["table1", "fig2"], packings, edition, said.append)
+    names = {path.name for path in edition.folder.iterdir()}
+    assert names == {"fig2.png", "fig2.pdf", "fig2.csv", "table1.csv"}
+    assert capsys.readouterr().out.count("\n| 1e-") == len(DELTAS)
+    assert "few" in said[-1]
+
+
+def test_quick_figures_go_to_the_build_folder():
+    assert QUICK.folder == ROOT / "build" / "figures"
+    assert FULL.folder == ROOT / "figures"
 
 
 def test_packings_of_the_figures_are_independent():
