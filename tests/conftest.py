@@ -1,4 +1,4 @@
-"""Profiles of hypothesis (FUZZ_EXAMPLES: how many of "fuzz"), cached packings, and the backends at hand."""
+"""Profiles of hypothesis, cached packings, and the backends at hand."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ _slow = [HealthCheck.too_slow, HealthCheck.data_too_large]
 settings.register_profile(
     "ci", max_examples=25, deadline=None, derandomize=True, suppress_health_check=_slow
 )
+# FUZZ_EXAMPLES: 200 take ten minutes, more find little.
 settings.register_profile(
     "fuzz",
     max_examples=int(os.environ.get("FUZZ_EXAMPLES", "200")),
