@@ -101,9 +101,9 @@ def with_a_roller(p, slip: float) -> State:
 @pytest.mark.parametrize("slip", [2.0, -2.0])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_shift_lets_go_of_what_nothing_holds(monkeypatch, delta, slip, seed):
-    """A grain that only slides turns without end on a bare tangent; the shift moves it by ~ Δ, until
-    it is off its contacts or wedged.  By construction, for any packing (80 of 80); without the
-    grain the packing is at rest, and the bare Newton will do."""
+    """A grain that only slides turns without end on a bare tangent; the shift moves it by ~ Δ,
+    until it is off its contacts or wedged.  By construction, for any packing (80 of 80); without
+    the grain the packing is at rest, and the bare Newton will do."""
     p, law = packing(grains=32, delta=delta, seed=seed), ContactLaw()
     state = with_a_roller(p, slip)
     assert polish(state, find_neighbours(state, 0.1), law, p.pressure).residual <= 1e-9

@@ -138,7 +138,7 @@ BAD = [
     ({"noise": "size"}, "noise 'size' is unknown"),
     ({"forces": np.ones(6)}, "diameter noise leaves G alone: forces and stiffness are not used"),
     ({"noise": "position", "stiffness": 2.0}, "stiffness is not used without forces"),
-    ({"noise": "position", "forces": np.ones(5)}, r"force has shape \(5,\), expected \(6,\)"),
+    ({"noise": "position", "forces": np.ones(5)}, r"forces has shape \(5,\), expected \(6,\)"),
     ({"method": "transverse", "frictional": False}, "frictional=False has none"),
     ({"method": "transverse", "noise": "position"}, "feels position noise through δM f"),
     ({"method": "direct", "winding": True}, "'direct' does not use winding"),
