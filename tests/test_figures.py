@@ -61,12 +61,14 @@ def test_figure_1_collapses_with_slope_one(packings, tmp_path):
 
 
 def test_figure_2_shows_sums_of_order_delta_and_a_matrix_that_does_not_know_it(packings, tmp_path):
-    """Over five decades of Δ both stay within a factor 5; unscaled, the sums span 1e4."""
+    """Over five decades neither follows a power of Δ: fitted exponents below 0.25 (of 16 groups of
+    six packings -0.12 to 0.01), while the unscaled sums grow as Δ."""
     table = fig2.compute(packings, SMALL)
+    decades = np.log(table["delta"])
     for name in ("rms", "singular_min", "singular_max"):
-        assert table[name].max() / table[name].min() < 5, name
-    unscaled = table["rms"] * table["delta"]
-    assert unscaled.max() / unscaled.min() > 1e4
+        assert abs(np.polyfit(decades, np.log(table[name]), 1)[0]) < 0.25, name
+    unscaled = np.log(table["rms"] * table["delta"])
+    assert np.polyfit(decades, unscaled, 1)[0] == pytest.approx(1, abs=0.25)
     assert table["exact"].all()
     paths = write(fig2.plot(table), tmp_path, "fig2", table, fig2.facts(packings, SMALL))
     assert len(read(paths[2])[1]) == len(packings)

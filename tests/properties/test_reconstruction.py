@@ -24,8 +24,8 @@ from scaling import (
     reconstruct,
 )
 from scaling.sources import sources
+from tests.chi_squares import log_tail
 from tests.conftest import packing
-from tests.properties.chi_squares import log_tail
 from tests.properties.strategies import clusters, packings, scenes, seeds, size_noises
 from tests.scaling.networks import Truth
 

@@ -27,19 +27,21 @@ from tests.scaling.packings import network_of, noisy_problem
 
 @pytest.mark.parametrize("noise", ["diameter", "position"])
 def test_bounded_approaches_the_truth(noise):
-    """E falls in proportion to ξ: the prior's pull is of second order, (ξ/Δ)² of its own scale."""
+    """E falls in proportion to ξ once inequalities and prior have no more to say: of one draw,
+    from ξ = 1e-3 Δ to 1e-4 Δ by ten within 3 % (1.1 % at worst of 24). At 0.1 Δ they help."""
     p = packing(delta=1e-1)
     n = network_of(p)
-    errors = []
-    for ratio in (1e-1, 1e-2, 1e-3):
+    ratios, errors = np.array([1e-1, 1e-3, 1e-4]), []
+    for ratio in ratios:
         noisy = perturb(n, ratio * p.delta, np.random.default_rng(0), noise)
         found = reconstruct(
             noisy, p.stiffness, "bounded", xi=ratio * p.delta, noise=noise,
             friction=p.friction, pressure=p.pressure,
         )  # fmt: skip
         errors.append(relative_error(found.forces, p.forces))
-    slope = np.polyfit(np.log([1e-1, 1e-2, 1e-3]), np.log(errors), 1)[0]
-    assert slope == pytest.approx(1, abs=0.15)
+    early, late, last = errors / ratios
+    assert late == pytest.approx(last, rel=0.03)
+    assert early < 1.1 * last
 
 
 @pytest.mark.parametrize("ratio", [0.1, 10.0, np.inf])
