@@ -8,36 +8,43 @@ from __future__ import annotations
 
 import hashlib
 import json
-import warnings
-from collections.abc import Callable, Iterable
-from concurrent.futures import Executor, as_completed
+import sys
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Executor
 from dataclasses import asdict
 from functools import partial
+from itertools import zip_longest
 from os import PathLike
-from pathlib import Path
+from typing import Any
 
-from tqdm import tqdm
+from tqdm.auto import tqdm
 
 from dem.integrator import resolve_backend
 from dem.packing import Packing
-from dem.packing_file import FORMAT
 from dem.relax import CONTINUED_BELOW, relax
+from dem.run import Run, Task
 from dem.scene import Scene
 from dem.settings import Settings
-from packing.numbers import seed_number
+from dem.store import Store
+from packing.numbers import flag, instance, seed_number, shown
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
 ALGORITHM = 5
 #: The same for packings with Δ < 1e-6, which are continued from 1e-6.
 CONTINUATION = 1
+#: Part of the key: the file format when keys began.  Files of later formats hold the same
+#: packings and all are read, so that it stays, and no store is emptied.
+FORMAT = 1
+
+_END = object()
 
 
 def packing_key(scene: Scene, seed: int, settings: Settings) -> str:
     """Hash of all that decides a packing: the name of its file in a store."""
-    seed = seed_number(seed)
+    scene, settings = instance("scene", scene, Scene), instance("settings", settings, Settings)
     facts = {
         "scene": asdict(scene),
-        "seed": seed,
+        "seed": seed_number(seed),
         "settings": asdict(settings) | {"backend": resolve_backend(settings.backend)},
         "format": FORMAT,
         "algorithm": ALGORITHM,
@@ -59,84 +66,69 @@ def relax_ensemble(
     """``relax`` for every (scene, seed), in their order.
 
     ``executor``: any ``concurrent.futures.Executor`` (processes, ``mpi4py.futures``,
-    ``dask.distributed.Client.get_executor()``); None works in this process.  ``store``: a folder
-    of npz files; what is there is loaded, the rest computed and saved as it is finished, so that
-    an interrupted run loses only what was in flight.  A stored file that is cut off is named in
-    a warning and computed again.
+    ``dask.distributed.Client.get_executor()``); None works in this process.  Workers that were
+    started by this process end when it is killed.  ``store``: a folder of npz files; what is
+    there is loaded, the rest computed and saved as it is finished, so that an interrupted run
+    loses only what was in flight.  A stored file that is damaged is named in a warning and
+    computed again; parts of files that killed runs left are removed.
 
-    Raises ValueError when scenes and seeds differ in number or the store is a file, and the first
-    error of ``relax``, with scene and seed noted on it, after all others are stored.
+    Raises
+    ------
+    ValueError : scenes and seeds that differ in number or are none, a store that is a file; and
+        whatever ``relax`` refuses.
+    Exception : the first error of ``relax`` or of the executor, after all that was finished is
+        stored.  Its notes name scene and seed; those that the workers held when one of them died.
     """
-    tasks = [(s, seed_number(n)) for s, n in zip(scenes, seeds, strict=True)]
-    folder = None if store is None else _folder(store)
-    files = [folder and folder / f"{packing_key(s, n, settings)}.npz" for s, n in tasks]
-    done = {k: p for k, f in enumerate(files) if (p := _stored(f, *tasks[k])) is not None}
-    missing = [k for k in range(len(tasks)) if k not in done]
-    failures: list[Exception] = []
-    bar = tqdm(
-        total=len(tasks),
-        initial=len(done),
-        desc="packings",
-        disable=None if progress is None else not progress,
-    )
-
-    def finish(k: int, result: Callable[[], Packing]) -> None:
-        scene, seed = tasks[k]
-        try:
-            done[k] = result()
-        except Exception as error:
-            error.add_note(f"while relaxing {scene}, seed {seed}")
-            failures.append(error)
-            return
-        if file := files[k]:
-            done[k].save(file)
-        bar.set_postfix_str(f"Δ={scene.delta:.0e}, {done[k].info['steps']} steps")
-        bar.update()
-
-    with bar:
+    settings = instance("settings", settings, Settings)
+    tasks = _tasks(scenes, seeds)
+    progress = None if progress is None else flag("progress", progress)
+    if executor is not None:
+        instance("executor", executor, Executor, " (of dask: client.get_executor())")
+    keys = [packing_key(scene, seed, settings) for scene, seed in tasks]
+    run = Run(tasks, keys, partial(relax, settings=settings), Store.at(store))
+    with _bar(len(tasks), len(run.done), progress) as bar:
         if executor is None:
-            for k in missing:
-                finish(k, partial(relax, *tasks[k], settings=settings, progress=progress))
+            run.here(progress, bar)
         else:
-            # Longest first: steps grow as Δ^(-1/2), and a straggler costs the most at the end.
-            missing.sort(key=lambda k: tasks[k][0].delta / tasks[k][0].grains ** 2)
-            futures = {
-                executor.submit(relax, *tasks[k], settings=settings, progress=False): k
-                for k in missing
-            }
-            try:
-                for future in as_completed(futures):
-                    finish(futures[future], future.result)
-            except BaseException:
-                # Interrupted: what is ready is kept, what is in flight is lost.
-                for future, k in futures.items():
-                    ready = not future.cancel() and future.done() and k not in done
-                    if ready and future.exception() is None:
-                        finish(k, future.result)
-                raise
-    if failures:
-        if len(failures) > 1:
-            failures[0].add_note(f"and {len(failures) - 1} more packings failed")
-        raise failures[0]
-    return [done[k] for k in range(len(tasks))]
+            run.on(executor, bar)
+    return [run.done[k] for k in range(len(tasks))]
 
 
-def _folder(store: str | PathLike[str]) -> Path:
-    folder = Path(store)
-    if folder.exists() and not folder.is_dir():
-        raise ValueError(f"store = {str(store)!r} is a file, not a folder")
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
+def _tasks(scenes: Any, seeds: Any) -> list[Task]:
+    """Pairs of scene and seed; one may be endless, then the other is the shorter."""
+    pairs = zip_longest(_each("scenes", scenes), _each("seeds", seeds), fillvalue=_END)
+    tasks: list[Task] = []
+    for k, (scene, seed) in enumerate(pairs):
+        if scene is _END or seed is _END:
+            short, long = ("scenes", "seeds") if scene is _END else ("seeds", "scenes")
+            other = seeds if scene is _END else scenes
+            count = len(other) if hasattr(other, "__len__") else f"more than {k}"
+            raise ValueError(
+                f"{short} is shorter than {long}: {k} of the one, {count} of the other"
+            )
+        try:
+            tasks.append((instance(f"scenes[{k}]", scene, Scene), seed_number(seed)))
+        except ValueError as error:
+            raise ValueError(f"{error} (pair {k} of scenes and seeds)") from None
+    return tasks
 
 
-def _stored(file: Path | None, scene: Scene, seed: int) -> Packing | None:
-    if file is None or not file.exists():
-        return None
+def _each(name: str, series: Any) -> Iterator[Any]:
     try:
-        packing = Packing.load(file)
-        if (packing.info.get("scene"), packing.info.get("seed")) != (asdict(scene), seed):
-            raise ValueError(f"{file} holds another scene or seed than its name says")
-        return packing
-    except ValueError as damage:
-        warnings.warn(f"computing a stored packing again: {damage}", stacklevel=3)
-        return None
+        return iter(series)
+    except TypeError:
+        raise ValueError(
+            f"{name} = {shown(series)} is no series: write [{shown(series)}]"
+        ) from None
+
+
+def _bar(total: int, done: int, progress: bool | None) -> tqdm:
+    """Quiet where standard error is missing or closed, and, unless asked for, no terminal."""
+    out = sys.stderr
+    silent = progress is False or out is None or getattr(out, "closed", False)
+    return tqdm(
+        total=total,
+        initial=done,
+        desc="packings",
+        disable=silent or (progress is None and not out.isatty()),
+    )

@@ -10,17 +10,18 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field, fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from dem.notes import plain_notes
 from dem.packing_file import read_record, write_record
-from dem.soundness import check_contacts, check_forces, check_low_parts
+from dem.soundness import check_packing
 from dem.state import Floats, Ints
 from doubledouble import DoubleDouble, hypot
+from packing.arrays import frozen, real_array, whole_array
 from packing.immutable import Immutable
-from packing.numbers import number_from_zero, positive_number
+from packing.numbers import file_path, number_from_zero, positive_number
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,8 @@ class Packing(Immutable):
     open), ``pairs (c, 2)``, ``images (c, 2)`` integer shifts of j, ``normal_forces (c,)``,
     ``tangential_forces (c,)``, ``external (N, 3)`` force and torque, ``stiffness`` κ,
     ``pressure`` p, ``friction`` μ; ``info``: steps, residuals, seed, settings, versions.
-    Lengths in ⟨σ⟩, forces in κ⟨σ⟩ when made by ``relax``.
+    Lengths in ⟨σ⟩, forces in κ⟨σ⟩ when made by ``relax``.  Arrays are read-only copies; ``info``
+    is a copy too, plain values only (see ``notes``), and open to further notes.
 
     ``positions_low``, ``radii_low``, ``cell_low``: None, or what the doubles leave out (value =
     high + low, |low| no more than an ulp of high); with them ``overlaps`` are good to 16 digits
@@ -39,8 +41,8 @@ class Packing(Immutable):
 
     Raises
     ------
-    ValueError : wrong shapes, NaN, a radius not positive, an unknown grain, a contact that
-        does not touch, a grain whose forces do not balance; each with its number.
+    ValueError : wrong types or shapes, NaN, a radius not positive, an unknown grain, a contact
+        that does not touch, a grain whose forces do not balance; each with its number.
     """
 
     positions: Floats
@@ -60,12 +62,15 @@ class Packing(Immutable):
     cell_low: Floats | None = None
 
     def __post_init__(self) -> None:
-        count, contacts = len(self.radii), len(self.pairs)
-        shapes = {
+        radii = real_array("radii", self.radii, (None,))
+        if not len(radii):
+            raise ValueError("radii is empty: a packing has grains")
+        pairs = whole_array("pairs", self.pairs, (None, 2))
+        count, contacts = len(radii), len(pairs)
+        arrays = {"radii": radii, "pairs": pairs}
+        arrays["images"] = whole_array("images", self.images, (contacts, 2))
+        shapes: dict[str, tuple[int, ...]] = {
             "positions": (count, 2),
-            "radii": (count,),
-            "pairs": (contacts, 2),
-            "images": (contacts, 2),
             "normal_forces": (contacts,),
             "tangential_forces": (contacts,),
             "external": (count, 3),
@@ -74,35 +79,18 @@ class Packing(Immutable):
             shapes["cell"] = (2, 2)
         elif self.cell_low is not None:
             raise ValueError("cell_low is given, but there is no cell")
-        for name in ("positions", "radii", "cell"):
+        for name, shape in {"positions": (count, 2), "radii": (count,), "cell": (2, 2)}.items():
             if getattr(self, f"{name}_low") is not None:
-                shapes[f"{name}_low"] = shapes[name]
+                shapes[f"{name}_low"] = shape
         for name, shape in shapes.items():
-            array = np.array(getattr(self, name), dtype=np.float64)
-            if name in ("pairs", "images"):
-                array = array.reshape(-1, 2) if array.size == 0 else array
-            if array.shape != shape:
-                raise ValueError(f"{name} has shape {array.shape}, expected {shape}")
-            if nan := np.argwhere(~np.isfinite(array)).tolist():
-                raise ValueError(f"{name}{nan[0]} is {array[tuple(nan[0])]}")
-            if name in ("pairs", "images"):
-                if odd := np.argwhere(array != np.rint(array)).tolist():
-                    raise ValueError(f"{name}{odd[0]} is {array[tuple(odd[0])]}, no whole number")
-                array = array.astype(np.int64)
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
-        check_low_parts(self)
-        if bad := np.flatnonzero(self.radii <= 0).tolist():
-            raise ValueError(f"grain {bad[0]} has radius {self.radii[bad[0]]}, not positive")
-        if self.cell is not None and abs(np.linalg.det(self.cell)) < 1e-12 * np.sum(self.cell**2):
-            raise ValueError(f"cell {self.cell.tolist()} is singular")
+            arrays[name] = real_array(name, getattr(self, name), shape)
+        for name, array in arrays.items():
+            object.__setattr__(self, name, frozen(array))
         for name in ("stiffness", "pressure"):
             object.__setattr__(self, name, positive_number(name, getattr(self, name)))
         object.__setattr__(self, "friction", number_from_zero("friction", self.friction))
-        if not isinstance(self.info, dict):
-            raise ValueError(f"info = {self.info!r} is no dictionary")
-        check_contacts(self)
-        check_forces(self)
+        object.__setattr__(self, "info", plain_notes(self.info))
+        check_packing(self)
 
     @property
     def width(self) -> float:
@@ -179,16 +167,25 @@ class Packing(Immutable):
         return np.maximum(np.abs(net), np.abs(twist)) / scale
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write an npz (no pickle), complete or not at all: a new file replaces the old."""
+        """Write an npz (no pickle), complete or not at all: a new file replaces the old.
+
+        ValueError for a path that can be no file, and for ``info`` that no file could hold.
+        """
+        target = file_path("path", path)
         arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "info"}
-        write_record(Path(path), {k: v for k, v in arrays.items() if v is not None}, self.info)
+        there = {name: array for name, array in arrays.items() if array is not None}
+        write_record(target, there, plain_notes(self.info))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Packing:
-        """Read what ``save`` wrote; ValueError for a cut-off, foreign or newer file."""
-        record, info = read_record(Path(path))
-        arrays: dict[str, Any] = {"cell": None} | record
+        """Read what ``save`` wrote, now or in earlier versions.
+
+        ValueError for a path that can be no file and for a file that is cut off, damaged, foreign
+        or newer; FileNotFoundError when there is none.
+        """
+        source = file_path("path", path)
+        arrays, info = read_record(source)
         try:
-            return cls(**arrays, info=info)
-        except (TypeError, ValueError, IndexError, OverflowError) as error:
-            raise ValueError(f"{path} is not a packing: {error}") from error
+            return cls(**{"cell": None} | arrays, info=info)
+        except ValueError as error:
+            raise ValueError(f"{source} is not a packing: {error}") from error

@@ -8,6 +8,7 @@ import numpy as np
 
 from dem.state import Ints
 from doubledouble import EPS
+from packing.numbers import SMALLEST
 
 if TYPE_CHECKING:
     from dem.packing import Packing
@@ -17,6 +18,28 @@ if TYPE_CHECKING:
 BALANCED = 1e-2
 #: A force-bearing contact is no wider open than this many round-off units ε L.
 TOUCHING = 1000
+
+
+def check_packing(p: Packing) -> None:
+    """ValueError for what is no packing at rest; numbers that overflow on the way are none."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        check_grains(p)
+        check_low_parts(p)
+        check_contacts(p)
+        check_forces(p)
+
+
+def check_grains(p: Packing) -> None:
+    """Grains have a radius, their cell an area."""
+    if bad := np.flatnonzero(p.radii <= 0).tolist():
+        raise ValueError(f"grain {bad[0]} has radius {p.radii[bad[0]]}, not positive")
+    if bad := np.flatnonzero(p.radii < SMALLEST).tolist():
+        raise ValueError(f"grain {bad[0]} has radius {p.radii[bad[0]]}, below {SMALLEST:g}")
+    if p.cell is None:
+        return
+    side = float(np.abs(p.cell).max())
+    if side < SMALLEST or abs(np.linalg.det(p.cell / side)) < 1e-12 * np.sum((p.cell / side) ** 2):
+        raise ValueError(f"cell {p.cell.tolist()} is singular")
 
 
 def check_low_parts(p: Packing) -> None:
@@ -67,16 +90,22 @@ def _one_of_two(images: Ints, itself: np.ndarray) -> Ints:
 
 def check_forces(p: Packing) -> None:
     """Contacts touch, push, hold their friction and balance; the virial is the pressure."""
+    size = 2 * float(p.radii.mean())
     span = float(np.ptp(p.positions, axis=0).max()) if p.cell is None else p.width
     ulp = np.finfo(float).eps if p.positions_low is None else EPS
-    allowed = TOUCHING * ulp * (span + 1)
+    allowed = TOUCHING * ulp * (span + size)
+    if (together := p.branches == 0).any():
+        e = int(np.argmax(together))
+        raise ValueError(
+            f"contact {e} {tuple(p.pairs[e].tolist())} joins two centres at one point: no normal"
+        )
     gap = -p.overlaps
     if len(gap) and not gap.max() <= allowed:
         e = int(gap.argmax())
         raise ValueError(
             f"contact {e} {tuple(p.pairs[e].tolist())} does not touch: it is open by {gap[e]:.3g}"
         )
-    slack = BALANCED * p.pressure * 2 * p.radii.mean()
+    slack = BALANCED * p.pressure * size
     for name, excess in (
         ("pulls", -p.normal_forces - slack),
         (

@@ -98,7 +98,9 @@ def seed_number(seed: Any) -> int:
     """`seed` as a Python int >= 0; a packing without one could not be made again."""
     number = whole_number("seed", seed)
     if number < 0:
-        raise ValueError(f"seed = {number} is negative")
+        raise ValueError(f"seed = {shown(number)} is negative")
+    if number >= 10**4000:  # Python writes and reads 4300
+        raise ValueError("seed has more than 4000 digits: no file could hold it")
     return number
 
 
@@ -138,6 +140,7 @@ def file_path(name: str, value: Any) -> Path:
             text = os.fsdecode(text)
         if not text or "\0" in text:
             raise TypeError
-    except TypeError:
+        os.fsencode(text)
+    except (TypeError, UnicodeError):  # a lone surrogate is in no file system
         raise ValueError(f"{name} = {shown(value)} is no path of a file or folder") from None
     return Path(text)

@@ -14,8 +14,10 @@ import numpy as np
 from scipy.sparse import csr_array, hstack
 
 from packing.arrays import Floats
-from scaling.constrained import ConstrainedLeastSquares, global_moments
+from scaling.constrained import ConstrainedLeastSquares
 from scaling.equation import ForceEquation
+from scaling.evidence import Solved
+from scaling.global_moments import global_moments
 
 
 def solver(equation: ForceEquation) -> ConstrainedLeastSquares:
@@ -42,11 +44,11 @@ def solver(equation: ForceEquation) -> ConstrainedLeastSquares:
     return problem
 
 
-def balanced_forces(equation: ForceEquation, stiffness: float) -> tuple[Floats, Floats]:
-    """(f, residual of the loop rows, a force)."""
+def balanced_forces(equation: ForceEquation, stiffness: float) -> tuple[Solved, Floats]:
+    """(f with the estimate of its error, residual of the loop rows, a force)."""
     rows = equation.M.shape[0]
     t = equation.rhs(stiffness)
-    scale = max(float(np.abs(t).max()), np.finfo(float).tiny)
-    u = solver(equation).solve(t[rows:] / scale, t[:rows] / scale) * scale
-    f = u[: equation.unknowns]
-    return f, equation.matrices.closure @ f - t[rows:]
+    scale = max(float(np.abs(t).max(initial=0.0)), np.finfo(float).tiny)
+    found = solver(equation).solved(t[rows:] / scale, t[:rows] / scale)
+    f = found.values[: equation.unknowns] * scale
+    return Solved(f, found.error, found.solver), equation.matrices.closure @ f - t[rows:]

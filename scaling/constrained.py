@@ -4,39 +4,83 @@ Method of multipliers on the residuals, with one factorisation of H = AᵀA + w 
 
     H d = Aᵀ(a - A u) - Bᵀλ + w Bᵀ(b - B u) ,    u ← u + d ,    λ ← λ + w (B u - b)
 
-A step shrinks the violation in a direction where B has the singular value s (relative to A) by
-1/(1 + w s²), so with w = 1e7 three or four reach rounding; if twelve do not, because s is small,
-w rises. It is indifferent to redundant rows
-of B, as the balance of the whole among the balances of all grains, and where B u = b has no
-solution (more conditions than unknowns, met up to rounding) it converges to the least
-violation: the limit of noise in b that is far below all other noise.
+The error of u obeys e ← T e, T = H⁻¹AᵀA: in a direction that B sees with the singular value s,
+and A with α, it shrinks by α²/(α² + w s²). So a small step is no evidence: a weakly seen direction
+moves by little and may be far off. Evidence are two numbers, found before the first solution is
+given out,
+
+    s_min    the smallest singular value of B that is not zero; the pace of the iteration is then
+             at most  q = |A|²/(|A|² + w s_min²)
+    cond H   mostly w over the square of what A sees of the null space of B; ε cond H is the pace
+             of refinement against rounding
+
+and then |u - u*| <= |d|/(1 - q). The weight w is chosen for both to be small; where none makes
+them so (near lattices), the problem is decomposed densely,
+
+    u = B⁺b + Z (A Z)⁺ (a - A B⁺b) ,     Z a basis of the null space of B,
+
+or refused. Redundant rows of B, as the balance of the whole among the balances of all grains, do
+no harm; where B u = b has no solution (more conditions than unknowns, met up to rounding) both
+ways give the least violation: the limit of noise in b that is far below all other noise.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from scipy.linalg import pinv, svd
+from scipy.linalg import svd
 from scipy.sparse import csc_array, csr_array
-from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from packing.arrays import Floats
+from scaling.evidence import ACCEPTED, EPS, Solved, accepted, rounding_error
+from scaling.least_squares import FACTOR_CONDITION, LeastSquares
 
-if TYPE_CHECKING:
-    from scaling.network import ContactNetwork
-
-WEIGHTS = (1e7, 1e9, 1e11, 1e13)
-_CREEP = 1e-4
-"""What may still move at the end: directions that B sees with s < 1e-6 only, such as the noise of
-positions known 1e6 times better than sizes. Its effect on forces is smaller by as much."""
+WEIGHTS = (1e7, 1e4, 1e10, 1e13)
+"""Tried in this order."""
+SLOWEST = 0.3
+"""Largest pace with which the iteration is begun."""
+DENSE_UP_TO = 2500
+"""Unknowns and conditions up to which the dense decomposition is affordable."""
+_SMALL = 150
+"""Unknowns and conditions up to which it is faster, too."""
+_STEPS = 16
+_BLOCKS = (64, 512)
+"""Weak directions that are looked for, first in a small block."""
+_RANK_TOLERANCE = 1e-13
 _VIOLATION = 1e-8
 """What may be left of the conditions, relative to the data: above rounding, far below noise."""
-DENSE_UP_TO = 2500
-"""Unknowns and conditions up to which a failed iteration is replaced by a decomposition."""
-_STEPS = 12  # with each weight; the rounding of a step is ~1e-16 w, and is corrected by the next
+
+
+@dataclass(frozen=True, eq=False)
+class _Multipliers:
+    """H factorised for one weight, its condition and the pace of the iteration."""
+
+    weight: float
+    factor: Any
+    condition: float
+    pace: float
+
+    @property
+    def slowest(self) -> float:
+        """The pace of the iteration or of its refinement, whichever is larger."""
+        return max(self.pace, EPS * self.condition)
+
+
+@dataclass(frozen=True, eq=False)
+class _Decomposition:
+    """B⁺, the null space Z of B, (A Z)⁺ in factors, and the conditions of B and A Z."""
+
+    inverse: Floats
+    Z: Floats
+    U: Floats
+    s: Floats
+    Vt: Floats
+    condition: float
+    condition_rest: float
 
 
 class ConstrainedLeastSquares:
@@ -50,111 +94,164 @@ class ConstrainedLeastSquares:
 
     def __getstate__(self) -> dict[str, Any]:
         # SuperLU objects cannot be pickled; a copy factorises anew.
-        return {k: v for k, v in self.__dict__.items() if k != "_factors"}
-
-    @cached_property
-    def _factors(self) -> dict[float, Any]:
-        return {}
-
-    def _factor(self, weight: float) -> Any:
-        if weight not in self._factors:
-            self._factors[weight] = self._factorised(weight)
-        return self._factors[weight]
-
-    def _factorised(self, weight: float) -> Any:
-        H = csc_array(self.A.T @ self.A + weight * (self.B.T @ self.B))
-        return splu(
-            H,
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        return {k: v for k, v in self.__dict__.items() if k != "_multipliers"}
 
     def solve(self, a: Floats, b: Floats) -> Floats:
-        """u, (n,) for a (p,) and b (m,), or (n, k) for (p, k) and (m, k).
+        """The values of `solved`."""
+        return self.solved(a, b).values
 
-        RuntimeError if the corrections do not die out, or the conditions are not met.
+    def solved(self, a: Floats, b: Floats) -> Solved:
+        """u, (n,) for a (p,) and b (m,), or (n, k) for (p, k) and (m, k), with its error.
+
+        ValueError if the arithmetic does not determine u to `evidence.ACCEPTED`; RuntimeError if
+        the conditions cannot be met.
         """
-        u = self._solve(a, b)
+        found = Solved(a, np.inf, "factor")
+        if self._extent > _SMALL and self._multipliers.slowest <= SLOWEST:
+            found = self._iterate(a, b)
+        if not found.error <= ACCEPTED and self._extent <= DENSE_UP_TO:
+            found = self._decompose(a, b)
+        accepted(found, self.name, self._condition)
+        self._refuse_violation(found.values, a, b)
+        return found
+
+    @property
+    def _extent(self) -> int:
+        return max(self.A.shape[1], self.B.shape[0])
+
+    @property
+    def _condition(self) -> float:
+        """Of the problem, as far as it is known without further work."""
+        known = self.__dict__.get("_decomposition")
+        if known is not None:
+            return max(known.condition, known.condition_rest)
+        m = self._multipliers
+        return float(np.sqrt(m.condition / m.weight))
+
+    def _refuse_violation(self, u: Floats, a: Floats, b: Floats) -> None:
         # Of conditions that contradict each other the least violation is left: Bᵀ(B u - b) = 0.
-        scale = self._size * float(np.linalg.norm(a) + np.linalg.norm(b))
+        data = float(np.linalg.norm(a) + np.linalg.norm(b))
+        scale = self._size * max(data, self._size * float(np.linalg.norm(u)))
         violation = float(np.linalg.norm(self.B.T @ (self.B @ u - b)))
         if not violation <= _VIOLATION * scale:
             raise RuntimeError(
                 f"{self.name}: the constraints are violated by {violation / scale:.1e}, relative: "
                 "its rows and weights are of very different size"
             )
-        return u
 
     @cached_property
     def _size(self) -> float:
         """|B|, the largest norm of a column: of the order of its largest singular value."""
         return float(np.sqrt(self.B.multiply(self.B).sum(axis=0).max()))
 
-    def _solve(self, a: Floats, b: Floats) -> Floats:
+    # --- sparse ---------------------------------------------------------------------------
+
+    @cached_property
+    def _multipliers(self) -> _Multipliers:
+        """Of the weights the first that is good enough, else the best."""
+        best = None
+        for weight in WEIGHTS:
+            made = self._prepared(weight)
+            if best is None or made.slowest < best.slowest:
+                best = made
+            if best.slowest <= SLOWEST:
+                break
+        assert best is not None
+        return best
+
+    def _prepared(self, weight: float) -> _Multipliers:
         A, B = self.A, self.B
+        pace = 1 / (1 + weight * (self._weakest / self._size_of_weights) ** 2)
+        if pace > SLOWEST:
+            return _Multipliers(weight, None, np.inf, 1.0)
+        H = csc_array(A.T @ A + weight * (B.T @ B))
+        try:
+            factor = splu(
+                H,
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError:  # singular to the last digit
+            return _Multipliers(weight, None, np.inf, 1.0)
+        v, growth = np.random.default_rng(0).standard_normal(A.shape[1]), 0.0
+        for _ in range(5):
+            v = factor.solve(v / np.linalg.norm(v))
+            growth = max(growth, float(np.linalg.norm(v)))
+        condition = growth * float(abs(H).sum(axis=0).max())
+        return _Multipliers(weight, factor, condition if np.isfinite(condition) else np.inf, pace)
+
+    @cached_property
+    def _weakest(self) -> float:
+        """s_min, from whichever side shows it; 0 where neither does.
+
+        From the side of the rows its null space are the redundant conditions, from that of the
+        columns (where more conditions than unknowns leave none) those that B does not feel at all.
+        """
+        felt = np.flatnonzero(self.B.multiply(self.B).sum(axis=0))
+        sides = [LeastSquares(csr_array(m), self.name) for m in (self.B[:, felt], self.B.T)]
+        for most in _BLOCKS:
+            for side in sides:
+                if side.unknowns > side.matrix.shape[0]:
+                    continue  # it has null vectors, too many to be told from weak directions
+                s = side.weak_singular_values(most)
+                seen = s[s > _RANK_TOLERANCE * self._size]
+                if len(seen) and seen[-1] > self._size / FACTOR_CONDITION:
+                    return float(seen[0])
+        return 0.0
+
+    def _iterate(self, a: Floats, b: Floats) -> Solved:
+        A, B, m = self.A, self.B, self._multipliers
         u = np.zeros((A.shape[1], *a.shape[1:]))
         λ = np.zeros_like(b)
-        previous, given = np.inf, float(np.linalg.norm(a) + np.linalg.norm(b))
-        for w in np.repeat(WEIGHTS, _STEPS):
-            d = self._factor(w).solve(A.T @ (a - A @ u) - B.T @ λ + w * (B.T @ (b - B @ u)))
+        given = np.linalg.norm(a, axis=0) + np.linalg.norm(b, axis=0)
+        previous, size = np.inf, np.inf
+        for _ in range(_STEPS):
+            d = m.factor.solve(A.T @ (a - A @ u) - B.T @ λ + m.weight * (B.T @ (b - B @ u)))
             u = u + d
-            λ = λ + w * (B @ u - b)
-            size, scale = float(np.linalg.norm(d)), float(np.linalg.norm(u)) + given
+            λ = λ + m.weight * (B @ u - b)
+            scale = np.linalg.norm(u, axis=0) + EPS * given
+            moved = np.linalg.norm(d, axis=0)
+            size = float(np.max(moved / np.where(scale > 0, scale, 1.0), initial=0.0))
             # Done when the correction is rounding, or no longer shrinks because it is.
-            if size <= 4e-16 * scale or (size <= 1e-9 * scale and size > 0.5 * previous):
-                return u
+            if size <= 4e-16 or (size <= 1e-8 and size > 0.5 * previous):
+                break
             previous = size
-        if size <= _CREEP * scale:
-            return u
-        if max(A.shape[1], B.shape[0]) <= DENSE_UP_TO:
-            return self._dense(a, b)
-        raise RuntimeError(
-            f"{self.name}: corrections are still {size / scale:.1e} with all weights, "
-            "the constraints are nearly dependent"
+        return Solved(u, 4 * size / (1 - m.slowest), "factor")
+
+    # --- dense ----------------------------------------------------------------------------
+
+    @cached_property
+    def _decomposition(self) -> _Decomposition:
+        U, s, Vt = svd(self.B.toarray())
+        top = float(s[0]) if len(s) else 0.0
+        rank = int((s > _RANK_TOLERANCE * top).sum())
+        Z = Vt[rank:].T
+        inverse = (Vt[:rank].T / s[:rank]) @ U[:, :rank].T
+        rest = svd(self.A @ Z, full_matrices=False)
+        # |A| is of order 1: what it sees of Z is compared with that.
+        least = float(rest[1].min(initial=np.inf))
+        return _Decomposition(
+            inverse,
+            Z,
+            rest[0],
+            rest[1],
+            rest[2],
+            top / float(s[rank - 1]) if rank else 1.0,
+            self._size_of_weights / least if least > 0 else np.inf,
         )
 
     @cached_property
-    def _null_space(self) -> tuple[Floats, Floats, Floats]:
-        """B⁺, a basis Z of the null space of B, and (A Z)⁺."""
-        U, s, Vt = svd(self.B.toarray())
-        rank = int((s > 1e-13 * s[0]).sum())
-        Z = Vt[rank:].T
-        return (Vt[:rank].T / s[:rank]) @ U[:, :rank].T, Z, pinv(self.A @ Z)
+    def _size_of_weights(self) -> float:
+        return float(np.sqrt(self.A.multiply(self.A).sum(axis=0).max(initial=0.0)))
 
-    def _dense(self, a: Floats, b: Floats) -> Floats:
-        """u = B⁺ b + Z (A Z)⁺ (a - A B⁺ b): for noise of very different strengths."""
-        inverse, Z, of_rest = self._null_space
-        u = inverse @ b
-        return u + Z @ (of_rest @ (a - self.A @ u))
-
-
-def global_moments(network: ContactNetwork) -> csr_array:
-    """(3N, parts): the rows of M combined to the moment of each part of an open component.
-
-    Internal forces balance in it up to O(Δ) only (lever arms R_i at contacts that overlap):
-    enforced on noisy directions it would amplify their noise by 1/Δ, so estimators leave it
-    free. A bridge, a contact on no loop, cannot transmit moment either, so the parts that bridges
-    join (a dangling grain, say) are counted one by one. None for what winds a periodic cell,
-    and none if only directions are known.
-    """
-    active, forest = network.active, network.forest
-    none = csr_array((3 * len(active), 0))
-    if network.positions is None:
-        return none
-    looped = np.diff(csc_array(network.loops.incidence).indptr) > 0
-    winds = forest.winding_rank[forest.component] > 0
-    i, j = network.pairs[looped | winds[network.pairs[:, 0]]].T
-    graph = csr_array((np.ones(len(i)), (i, j)), shape=(network.grains, network.grains))
-    component = connected_components(graph, directed=False)[1][active]
-    labels = np.unique(component[~winds[active]])
-    x = network.positions[active]
-    if network.cell is not None:
-        x = x + forest.shift[active] @ network.cell
-    columns = []
-    for label in labels:
-        mine = component == label
-        y = np.where(mine[:, None], x - x[mine].mean(axis=0), 0.0)
-        v = np.concatenate([-y[:, 1], y[:, 0], np.where(mine, network.radii[active], 0.0)])
-        columns.append(v / np.linalg.norm(v))
-    return csr_array(np.column_stack(columns)) if columns else none
+    def _decompose(self, a: Floats, b: Floats) -> Solved:
+        """u = B⁺ b + Z (A Z)⁺ (a - A B⁺ b)."""
+        d = self._decomposition
+        if not np.isfinite(d.condition_rest):
+            return Solved(a, np.inf, "dense")
+        u = d.inverse @ b
+        u = u + d.Z @ (d.Vt.T @ ((d.U.T @ (a - self.A @ u)).T / d.s).T)
+        error = rounding_error(d.condition_rest, a - self.A @ u, self._size_of_weights, u)
+        # B⁺b and Z are off by ε cond B, and what A sees of that is amplified by cond A Z.
+        return Solved(u, error + 4 * EPS * d.condition * (1 + d.condition_rest), "dense")

@@ -41,13 +41,44 @@ ROW = np.dtype([("kind", "U8"), ("index", np.int64)])
 
 @dataclass(frozen=True, eq=False)
 class Matrices:
-    """M and Q of a contact network: what contacts and directions determine."""
+    """M and Q of a contact network: what contacts and directions determine.
 
+    Balance knows no loops: they are sought, and Q is built, when closure is first asked for.
+    """
+
+    network: ContactNetwork
     M: csr_array
-    Q: csr_array
-    loops: Loops
-    rows: NDArray
     active: NDArray
+    frictional: bool
+    winding: bool
+
+    @cached_property
+    def loops(self) -> Loops:
+        """The faces, and the windings if they are asked for."""
+        loops = self.network.loops
+        if not self.winding:
+            return loops
+        around = self.network.windings
+        return Loops(
+            csr_array(vstack([loops.incidence, around.incidence])),
+            np.concatenate([loops.images, around.images]),
+        )
+
+    @cached_property
+    def Q(self) -> csr_array:
+        """Closure in x, then in y, of every loop."""
+        n = self.network.normals
+        Q = csr_array(vstack([self.loops.incidence @ diags_array(n[:, k]) for k in (0, 1)]))
+        Q.eliminate_zeros()
+        return Q
+
+    @cached_property
+    def rows(self) -> NDArray:
+        """Labels of the rows of G, see `ForceEquation.rows`."""
+        kinds = ["force x", "force y"] + ["torque"] * self.frictional
+        rows = [(kind, i) for kind in kinds for i in self.active]
+        rows += [(f"loop {axis}", k) for axis in "xy" for k in range(len(self.loops))]
+        return np.array(rows, dtype=ROW)
 
     @cached_property
     def G(self) -> csr_array:
@@ -63,12 +94,12 @@ class Matrices:
     @cached_property
     def M_normal(self) -> csr_array:
         """The columns of M that act on f_n."""
-        return csr_array(self.M[:, : self.Q.shape[1]])
+        return csr_array(self.M[:, : self.network.contacts])
 
     @cached_property
     def M_tangential(self) -> csr_array:
         """The columns of M that act on f_t."""
-        return csr_array(self.M[:, self.Q.shape[1] :])
+        return csr_array(self.M[:, self.network.contacts :])
 
     @cached_property
     def system(self) -> LeastSquares:
@@ -124,7 +155,7 @@ class ForceEquation:
     @property
     def unknowns(self) -> int:
         """2c, or c without friction."""
-        return self.G.shape[1]
+        return self.M.shape[1]
 
     @property
     def hyperstaticity(self) -> int:
@@ -178,9 +209,12 @@ def force_equation(
     winding : append the two windings of the periodic cell to the loops
 
     ValueError: no contacts; a load on a grain that has none, or a torque where nothing
-    carries it; windings of a network that does not wind; faces that are not discs.
+    carries it; windings of a network that does not wind. Once closure is asked for: faces that
+    are not discs.
     """
     _refuse_unsupported_loads(network, frictional)
+    if winding and len(network.windings) == 0:
+        raise ValueError("winding=True, but the network does not wind a periodic cell")
     key = ("matrices", bool(frictional), bool(winding))
     matrices = network._from_geometry(key, lambda _: _assemble(network, frictional, winding))
     return ForceEquation(network, matrices, bool(frictional), bool(winding))
@@ -202,15 +236,6 @@ def _refuse_unsupported_loads(network: ContactNetwork, frictional: bool) -> None
 
 
 def _assemble(network: ContactNetwork, frictional: bool, winding: bool) -> Matrices:
-    loops = network.loops
-    if winding:
-        around = network.windings
-        if len(around) == 0:
-            raise ValueError("winding=True, but the network does not wind a periodic cell")
-        loops = Loops(
-            csr_array(vstack([loops.incidence, around.incidence])),
-            np.concatenate([loops.images, around.images]),
-        )
     active, c = network.active, network.contacts
     row_of = np.full(network.grains, -1)
     row_of[active] = np.arange(len(active))
@@ -221,17 +246,10 @@ def _assemble(network: ContactNetwork, frictional: bool, winding: bool) -> Matri
     difference = csr_array((np.repeat([1.0, -1.0], c), (grain, contact)), shape=shape)
     total = csr_array((np.ones(2 * c), (grain, contact)), shape=shape)
     n, t = network.normals, network.tangents
-    normal = [-difference @ diags_array(n[:, k]) for k in (0, 1)]
-    kinds = ["force x", "force y"]
-    M = vstack(normal)
+    M = vstack([-difference @ diags_array(n[:, k]) for k in (0, 1)])
     if frictional:
         tangential = [difference @ diags_array(t[:, k]) for k in (0, 1)]
         M = hstack([vstack([M, csr_array(shape)]), vstack([*tangential, total])])
-        kinds.append("torque")
-    Q = vstack([loops.incidence @ diags_array(n[:, k]) for k in (0, 1)])
-    M, Q = csr_array(M), csr_array(Q)
-    for matrix in (M, Q):
-        matrix.eliminate_zeros()
-    rows = [(kind, i) for kind in kinds for i in active]
-    rows += [(f"loop {axis}", k) for axis in "xy" for k in range(len(loops))]
-    return Matrices(M, Q, loops, np.array(rows, dtype=ROW), active)
+    M = csr_array(M)
+    M.eliminate_zeros()
+    return Matrices(network, M, active, frictional, winding)

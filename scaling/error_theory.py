@@ -16,7 +16,6 @@ too large, ‖E‖_F² is the mean of |E z|² over random z, with an error bar.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -28,12 +27,83 @@ from scipy.sparse import csr_array
 
 from packing.arrays import Floats, real_array
 from scaling import balanced, optimal
+from scaling.constrained import ConstrainedLeastSquares
 from scaling.equation import ForceEquation, force_equation
+from scaling.evidence import Solved
 from scaling.network import ContactNetwork
 from scaling.sources import Sources, sources
 
 LINEAR = ("gppsz", "direct", "transverse", "balanced", "optimal")
 _BLOCK = 256
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """η -> δf/(κ ξ) of one estimator on one network, with the estimate of its error.
+
+    `overlaps` and `balance` are B and D of the noise, D per κ; `forces` is φ = f/κ.
+    """
+
+    equation: ForceEquation
+    method: str
+    noise: Sources
+    overlaps: csr_array
+    balance: csr_array
+    forces: Floats
+    data: str
+    solver: str
+    tol: float | None
+
+    def __call__(self, η: Floats) -> Floats:
+        """(k, m) noise -> (2c, m) lengths; (c, m) if frictionless."""
+        return self.solved(η).values
+
+    def solved(self, η: Floats) -> Solved:
+        """The response with its error, relative to what the noise does to the data."""
+        of = {"gppsz": self._gppsz, "balanced": self._balanced, "optimal": self._optimal}
+        return of.get(self.method, self._direct)(η)
+
+    def _gppsz(self, η: Floats) -> Solved:
+        matrices = self.equation.matrices
+        b = np.concatenate([-(self.balance @ η), matrices.Q @ (self.overlaps @ η)])
+        return matrices.system.solved(b, self.solver, self.tol)
+
+    def _balanced(self, η: Floats) -> Solved:
+        Q = self.equation.matrices.Q
+        found = self.problem.solved(Q @ (self.overlaps @ η), -(self.balance @ η))
+        return Solved(found.values[: self.equation.unknowns], found.error, found.solver)
+
+    def _direct(self, η: Floats) -> Solved:
+        δ = (1.0 if self.method == "direct" else 0.0) * (self.overlaps @ η)
+        if not self.equation.frictional:
+            return Solved(δ, 0.0, "none")
+        matrices = self.equation.matrices
+        found = matrices.transverse.solved(-(self.balance @ η) - matrices.M_normal @ δ)
+        return Solved(np.concatenate([δ, found.values]), found.error, found.solver)
+
+    def _optimal(self, η: Floats) -> Solved:
+        k, n, unit = self.noise.count, self.equation.unknowns, self.noise.unit
+        if self.data == "sizes":
+            rows = self.equation.M.shape[0]
+            QB = self.equation.matrices.Q @ (self.overlaps @ η) / unit
+            b = np.concatenate([np.zeros((rows, *η.shape[1:])), QB])
+            found = self.problem.solved(np.zeros_like(η), b)
+            return Solved(unit * found.values[k : k + n], found.error, found.solver)
+        C = self.equation.matrices.M_normal @ self.overlaps + self.balance
+        found = self.problem.solved(np.zeros_like(η), C @ η / unit)
+        u = found.values
+        φ_t = unit * u[k : k + n - self.equation.network.contacts]
+        values = np.concatenate([self.overlaps @ (η - u[:k]), φ_t])
+        return Solved(values, found.error, found.solver)
+
+    @cached_property
+    def problem(self) -> ConstrainedLeastSquares:
+        """What `balanced` and `optimal` solve."""
+        if self.method == "balanced":
+            return balanced.solver(self.equation)
+        if self.data == "sizes":
+            return optimal.size_problem(self.equation, self.noise)
+        return optimal.geometric_problem(self.equation, self.noise, self.forces)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,22 +118,36 @@ class ErrorMap:
         noise of a convention, whose strength is the user's
     """
 
-    respond: Callable[[Floats], Floats]
+    respond: Response
     sources: int
     contacts: int
     unknowns: int
     xi: float = 1.0
 
     @cached_property
-    def matrix(self) -> Floats:
-        """E itself, (2c, k) dense."""
-        E = np.empty((self.unknowns, self.sources))
+    def _computed(self) -> tuple[Floats, float]:
+        """E, and the worst error estimate of its columns."""
+        E, worst = np.empty((self.unknowns, self.sources)), 0.0
         for start in range(0, self.sources, _BLOCK):
             stop = min(start + _BLOCK, self.sources)
             η = np.zeros((self.sources, stop - start))
             η[np.arange(start, stop), np.arange(stop - start)] = 1.0
-            E[:, start:stop] = self.respond(η)
-        return E
+            some = self.respond.solved(η)
+            E[:, start:stop], worst = some.values, max(worst, some.error)
+        return E, worst
+
+    @property
+    def matrix(self) -> Floats:
+        """E itself, (2c, k) dense."""
+        return self._computed[0]
+
+    @property
+    def error_estimate(self) -> float:
+        """Relative error of E by rounding and iteration, estimated by its solver.
+
+        Never above `scaling.evidence.ACCEPTED`: a map that is not known so well is refused.
+        """
+        return self._computed[1]
 
     @property
     def gain(self) -> float:
@@ -188,7 +272,9 @@ def error_map(
     elif stiffness is not None:
         raise ValueError("stiffness is not used without forces")
     B, D = source.overlaps(network), source.balance(network, φ)
-    respond = _response(equation, method, source, B, D, φ, data, solver, tol)
+    respond = Response(equation, method, source, B, D, φ, data, solver, tol)
+    if method in ("balanced", "optimal"):
+        _ = respond.problem  # what is not determined is refused now
     return ErrorMap(respond, source.count, network.contacts, equation.unknowns, source.xi)
 
 
@@ -197,55 +283,6 @@ def worst_pattern(
 ) -> tuple[float, Floats, Floats]:
     """(s, η, δf): see `ErrorMap.worst_pattern`; arguments as for `error_map`."""
     return error_map(network, method, noise, **more).worst_pattern()
-
-
-def _response(
-    equation: ForceEquation,
-    method: str,
-    source: Sources,
-    B: csr_array,
-    D: csr_array,
-    φ: Floats,
-    data: str,
-    solver: str,
-    tol: float | None,
-) -> Callable[[Floats], Floats]:
-    matrices, k, n = equation.matrices, source.count, equation.unknowns
-    Q = matrices.Q if method in ("gppsz", "balanced") or data == "sizes" else None
-    if method == "gppsz":
-        return lambda η: matrices.system.solve(
-            np.concatenate([-(D @ η), Q @ (B @ η)]), solver, tol
-        )
-    if method == "balanced":
-        problem = balanced.solver(equation)
-        return lambda η: problem.solve(Q @ (B @ η), -(D @ η))[:n]
-    if method in ("direct", "transverse"):
-        share = 1.0 if method == "direct" else 0.0
-
-        def direct(η: Floats) -> Floats:
-            δ = share * (B @ η)
-            if not equation.frictional:
-                return δ
-            return np.concatenate([δ, matrices.transverse.solve(-(D @ η) - matrices.M_normal @ δ)])
-
-        return direct
-    if data == "sizes":
-        of_sizes = optimal.size_problem(equation, source)
-        rows = equation.M.shape[0]
-
-        def sizes(η: Floats) -> Floats:
-            b = np.concatenate([np.zeros((rows, *η.shape[1:])), Q @ (B @ η)])
-            return source.unit * of_sizes.solve(np.zeros_like(η), b / source.unit)[k : k + n]
-
-        return sizes
-    of_all, _, C = optimal.geometric_problem(equation, source, φ)
-
-    def all_data(η: Floats) -> Floats:
-        u = of_all.solve(np.zeros_like(η), C @ η / source.unit)
-        φ_t = source.unit * u[k : k + n - equation.network.contacts]
-        return np.concatenate([B @ (η - u[:k]), φ_t])
-
-    return all_data
 
 
 def slope(network: ContactNetwork, forces: Floats) -> float:

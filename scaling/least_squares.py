@@ -16,6 +16,14 @@ GᵀG squares the condition number, but refinement works on the residual of G it
 the digits: with cond(G) ~ 20 it takes one step. The shift μ = 1e-14 |GᵀG| lets a singular
 matrix be factorised too, so that its null space can be counted instead of guessed from a failed
 pivot; refinement removes its effect, by a factor μ/(σ_min² + μ) per step.
+
+Each way ends with an estimate of the error of f (`scaling.evidence`), and where that is not
+small the dense way is taken, or f refused:
+
+    dense    all singular values are known
+    factor   trusted up to the condition 1e6; the singular values below are searched for by block
+             inverse iteration, until the block holds one that is above
+    lsmr     has to find a known random f first: what it returns of it is its error
 """
 
 from __future__ import annotations
@@ -27,21 +35,29 @@ from typing import Any
 import numpy as np
 from scipy.linalg import svd, svdvals
 from scipy.sparse import csc_array, csr_array, eye_array
-from scipy.sparse.linalg import LinearOperator, eigsh, lsmr, splu
+from scipy.sparse.linalg import LinearOperator, cg, eigsh, lsmr, splu
 
 from packing.arrays import Floats
+from packing.numbers import choice, number_between, shown
+from scaling.evidence import ACCEPTED, Solved, accepted, rounding_error
 
 EXACT_UP_TO = 1000
 """Unknowns up to which singular values come from a dense decomposition."""
 DENSE_UP_TO = 32
 FACTOR_UP_TO = 400_000
 """Unknowns up to which `solver="auto"` is dense, and factorises."""
+FALLBACK_UP_TO = 2500
+"""Unknowns up to which a solver that cannot prove its solution is replaced by the dense one."""
 RANK_TOLERANCE = 1e-10
 """σ/σ_max below which a singular value counts as zero. Rounding of the directions leaves
 ~1e-14, and an equation with condition 1e10 would have no digit to give."""
+FACTOR_CONDITION = 1e6
+"""Largest condition that `factor` sees: beyond, GᵀG has lost its smallest singular values to
+rounding, and the shift μ hides them."""
 
 _SHIFT = 1e-14
-_MOST_STEPS = 40
+_MOST_STEPS = 12
+_LARGEST_BLOCK = 512
 
 
 @dataclass(frozen=True)
@@ -70,6 +86,19 @@ class Conditioning:
         return self.largest / self.smallest if self.null_dimension == 0 else np.inf
 
 
+@dataclass(frozen=True)
+class _Extremes:
+    """The largest singular value, the smallest that was found, and how many are zero."""
+
+    largest: float
+    smallest: float
+    zeros: int
+
+    @property
+    def condition(self) -> float:
+        return self.largest / self.smallest if self.smallest > 0 else np.inf
+
+
 class LeastSquares:
     """min |matrix f - b|, prepared once for any number of right-hand sides."""
 
@@ -88,8 +117,7 @@ class LeastSquares:
 
     def solver_for(self, solver: str) -> str:
         """The solver that "auto" stands for; any other name is checked and returned."""
-        if solver not in ("auto", "dense", "factor", "lsmr"):
-            raise ValueError(f"solver {solver!r}: choose auto, dense, factor or lsmr")
+        choice("solver", solver, ("auto", "dense", "factor", "lsmr"))
         if solver != "auto":
             return solver
         if self.unknowns <= DENSE_UP_TO:
@@ -97,23 +125,36 @@ class LeastSquares:
         return "factor" if self.unknowns <= FACTOR_UP_TO else "lsmr"
 
     def solve(self, b: Floats, solver: str = "auto", tol: float | None = None) -> Floats:
-        """f (n,) for b (m,), or (n, k) for (m, k).
+        """The values of `solved`."""
+        return self.solved(b, solver, tol).values
+
+    def solved(self, b: Floats, solver: str = "auto", tol: float | None = None) -> Solved:
+        """f (n,) for b (m,), or (n, k) for (m, k), with the estimate of its error.
 
         `tol`, for lsmr only, is its relative tolerance, default 1e-12. ValueError if the matrix
-        is rank-deficient; RuntimeError if an iteration does not converge.
+        is rank-deficient, or so badly conditioned that f is not known to `evidence.ACCEPTED`;
+        RuntimeError if an iteration does not converge.
         """
         solver = self.solver_for(solver)
-        if tol is not None and solver != "lsmr":
-            raise ValueError(f"tol = {tol} is for solver='lsmr', not {solver!r}")
+        if tol is not None:
+            if solver != "lsmr":
+                raise ValueError(f"tol = {shown(tol)} is for solver='lsmr', not {solver!r}")
+            tol = number_between("tol", tol, 0, 1)
+        found = None
         if solver == "lsmr":
-            return self._iterate(b, 1e-12 if tol is None else tol)
-        if solver == "dense":
-            U, s, Vt = self._svd
-            self._refuse_deficient(int((s > RANK_TOLERANCE * s[0]).sum()))
-            # Row scaling by 1/s works for one right-hand side and for many.
-            return Vt.T @ ((U.T @ b).T / s).T
+            found = self._by_lsmr(b, 1e-12 if tol is None else tol)
+            if tol is not None and found.error <= 1e3 * tol:  # as good as was asked for
+                return found
+        elif solver == "factor" and self._seen.condition <= FACTOR_CONDITION:
+            found = self._by_factor(b)
+        if found is not None and found.error <= ACCEPTED:
+            return found
         self._refuse_deficient(self.unknowns - self._null_dimension)
-        return self._refine(b)
+        if self.unknowns <= FALLBACK_UP_TO:
+            found = self._by_decomposition(b)
+        elif found is None:
+            found = Solved(b, np.inf, solver)
+        return accepted(found, self.name, self._condition)
 
     def require_full_rank(self) -> None:
         """ValueError, with the rank, if a solution would not be unique."""
@@ -124,18 +165,37 @@ class LeastSquares:
         """Exact up to 1000 unknowns, beyond that an estimate labelled so."""
         n = self.unknowns
         if n <= EXACT_UP_TO:
-            s = svdvals(self.matrix.toarray())
-            s = np.concatenate([s, np.zeros(n - len(s))])
-            rank = int((s > RANK_TOLERANCE * s[0]).sum())
-            return Conditioning(rank, n, float(s[0]), float(s[-1]), True)
+            s = self._singular_values
+            return Conditioning(n - self._null_dimension, n, float(s[0]), float(s[-1]), True)
         rank = n - self._null_dimension
         return Conditioning(rank, n, self._largest, self._smallest, False)
+
+    @property
+    def _condition(self) -> float:
+        """σ_max/σ_min as far as it is known without further work."""
+        s = self.__dict__.get("_singular_values")
+        seen = self._seen if s is None else _Extremes(float(s[0]), float(s[-1]), 0)
+        return seen.condition
 
     # --- dense ----------------------------------------------------------------------------
 
     @cached_property
     def _svd(self) -> tuple[Floats, Floats, Floats]:
         return svd(self.matrix.toarray(), full_matrices=False)
+
+    @cached_property
+    def _singular_values(self) -> Floats:
+        """(n,) all of them, falling; missing rows count as zeros."""
+        s = self._svd[1] if "_svd" in self.__dict__ else svdvals(self.matrix.toarray())
+        return np.concatenate([s, np.zeros(self.unknowns - len(s))])
+
+    def _by_decomposition(self, b: Floats) -> Solved:
+        U, s, Vt = self._svd
+        # Row scaling by 1/s works for one right-hand side and for many.
+        f = Vt.T @ ((U.T @ b).T / s).T
+        lost = b - self.matrix @ f
+        error = rounding_error(float(s[0] / s[-1]), lost, float(s[0]), f)
+        return Solved(f, error, "dense")
 
     # --- sparse factor --------------------------------------------------------------------
 
@@ -157,30 +217,30 @@ class LeastSquares:
         # Column by column: blocks gain little and suffer badly from oversubscribed BLAS threads.
         return np.column_stack([self._factor.solve(column) for column in b.T])
 
-    def _refine(self, b: Floats) -> Floats:
-        G = self.matrix
+    def _by_factor(self, b: Floats) -> Solved:
+        G, largest = self.matrix, self._seen.largest
         f = self._inverse(G.T @ b)
         previous = np.inf
         for _ in range(_MOST_STEPS):
             correction = self._inverse(G.T @ (b - G @ f))
             f = f + correction
-            size = float(np.linalg.norm(correction))
-            scale = float(np.linalg.norm(f))
+            # A solution that vanishes beside the data is compared with these.
+            scale = np.maximum(np.linalg.norm(f, axis=0), np.linalg.norm(b, axis=0) / largest)
+            moved = np.linalg.norm(correction, axis=0)
+            size = float(np.max(moved / np.where(scale > 0, scale, 1.0), initial=0.0))
             # Done when the correction is rounding, or no longer shrinks because it is.
-            if size <= 4e-16 * scale or (size <= 1e-10 * scale and size > 0.5 * previous):
-                return f
+            if size <= 4e-16 or size > 0.5 * previous:
+                break
             previous = size
-        raise RuntimeError(
-            f"{self.name}: refinement still changes by {size / scale:.1e} after {_MOST_STEPS} "
-            "steps, it is nearly rank-deficient; use solver='dense'"
-        )
+        error = size + rounding_error(self._condition, b - G @ f, largest, f)
+        return Solved(f, error, "factor")
 
     @cached_property
     def _largest(self) -> float:
         """σ_max by Lanczos, which needs some room."""
         G, n = self.matrix, self.unknowns
-        if n <= DENSE_UP_TO:
-            return float(svdvals(G.toarray())[0])
+        if n <= DENSE_UP_TO or not G.count_nonzero():
+            return float(svdvals(G.toarray())[0]) if G.count_nonzero() else 0.0
         product = LinearOperator((n, n), matvec=lambda v: G.T @ (G @ v), dtype=float)
         v = np.random.default_rng(0).standard_normal(n)
         (top,) = eigsh(product, k=1, v0=v, tol=1e-4, return_eigenvectors=False)
@@ -189,44 +249,73 @@ class LeastSquares:
     @cached_property
     def _smallest(self) -> float:
         """σ_min by Lanczos on (GᵀG + μ)⁻¹, then the Ritz value of G itself."""
-        n = self.unknowns
+        n, seen = self.unknowns, self._seen
+        if seen.condition > FACTOR_CONDITION:
+            return seen.smallest  # μ hides it from Lanczos, not from the block
         inverse = LinearOperator((n, n), matvec=self._factor.solve, dtype=float)
         v = np.random.default_rng(0).standard_normal(n)
         _, low = eigsh(inverse, k=1, v0=v, tol=1e-4)
         return float(np.linalg.norm(self.matrix @ low[:, 0]))
 
-    @cached_property
-    def _null_dimension(self) -> int:
-        """Number of null vectors, from a block of inverse iterations.
+    def weak_singular_values(self, most: int = _LARGEST_BLOCK) -> Floats:
+        """The smallest singular values, rising, up to one above 1e-6 σ_max, or to `most` of them.
 
-        One solve multiplies the part of a random vector in the null space by ~1e12, so a
-        vector that still feels G has none. Singular values are taken of G, not of GᵀG: zeros
-        come out as 1e-16 and not as 1e-8. The block grows until it holds a value that is not zero.
+        By block inverse iteration. One solve multiplies the part of a random vector along a
+        singular vector by 1/(σ² + μ), so that those with σ << √μ mix: they are told apart by the
+        singular values of G on the block, which has to hold all of them. It grows until it holds
+        one that is not weak. Zeros come out as 1e-16, not as the 1e-8 of GᵀG.
         """
-        rng, G = np.random.default_rng(0), self.matrix
+        rng, G, n = np.random.default_rng(0), self.matrix, self.unknowns
+        if self._largest == 0:
+            return np.zeros(n)
         size = 1
         while True:
-            V = rng.standard_normal((self.unknowns, size))
+            V = rng.standard_normal((n, size))
             for _ in range(3):
                 V, _ = np.linalg.qr(self._inverse(V))
-            zeros = int((svdvals(G @ V) <= RANK_TOLERANCE * self._largest).sum())
-            if zeros < size or size == self.unknowns:
-                return zeros
-            size = min(8 * size, self.unknowns)
+            s = svdvals(G @ V)[::-1]
+            if s[-1] > self._largest / FACTOR_CONDITION or size == min(n, most):
+                return s
+            size = min(8 * size, n, most)
+
+    @cached_property
+    def _seen(self) -> _Extremes:
+        s, largest = self.weak_singular_values(), self._largest
+        return _Extremes(largest, float(s[0]), int((s <= RANK_TOLERANCE * largest).sum()))
+
+    @cached_property
+    def _null_dimension(self) -> int:
+        """Number of null vectors: exact where a dense decomposition is affordable and needed."""
+        doubtful = (
+            self.unknowns <= DENSE_UP_TO
+            or "_svd" in self.__dict__
+            or self._seen.condition > FACTOR_CONDITION
+        )
+        if doubtful and self.unknowns <= FALLBACK_UP_TO:
+            s = self._singular_values
+            return int((s <= RANK_TOLERANCE * s[0]).sum()) if s[0] > 0 else self.unknowns
+        return self._seen.zeros
 
     # --- lsmr -----------------------------------------------------------------------------
 
-    def _iterate(self, b: Floats, tol: float) -> Floats:
-        if not 0 < tol < 1:
-            raise ValueError(f"tol = {tol}: it must be between 0 and 1")
-        self._refuse_deficient(self.unknowns - self._unseen_null_dimension)
-        if b.ndim == 1:
-            return self._lsmr(b, tol)
-        return np.column_stack([self._lsmr(column, tol) for column in b.T])
+    def _by_lsmr(self, b: Floats, tol: float) -> Solved:
+        lost, condition = self._probe(tol)
+        # Lsmr returns the shortest solution and never notices a null space.
+        if lost > 1e-2 or condition > FACTOR_CONDITION:
+            return Solved(b, np.inf, "lsmr")
+        columns = b.reshape(len(b), -1).T
+        made = [self._lsmr(column, tol)[0] for column in columns]
+        # What a residual that is left hides from the probe is found by the normal equations.
+        missing = [
+            self._missing(column, f, condition) for column, f in zip(columns, made, strict=True)
+        ]
+        f = np.column_stack(made).reshape(self.unknowns, *b.shape[1:])
+        return Solved(f, 4 * lost + max(missing), "lsmr")
 
-    def _lsmr(self, b: Floats, tol: float) -> Floats:
+    def _lsmr(self, b: Floats, tol: float) -> tuple[Floats, float]:
+        """(f, the condition that it felt)."""
         most = 20 * int(np.sqrt(self.unknowns)) + 1000
-        f, stop, steps, _, normal_residual, *_ = lsmr(
+        f, stop, steps, _, normal_residual, _, condition, _ = lsmr(
             self.matrix, b, atol=tol, btol=tol, conlim=0, maxiter=most
         )
         if stop == 7:
@@ -234,21 +323,27 @@ class LeastSquares:
                 f"{self.name}: lsmr did not reach {tol:g} in {steps} steps, "
                 f"|Gᵀ(b - G f)| = {normal_residual:.1e}"
             )
-        return f
+        return f, float(condition)
 
-    @cached_property
-    def _unseen_null_dimension(self) -> int:
-        """Lsmr returns the shortest solution and never notices a null space, so look for one.
+    def _missing(self, b: Floats, f: Floats, condition: float) -> float:
+        """|d|/|f| of the correction d that GᵀG d = Gᵀ(b - G f) asks for, twice, to be safe."""
+        G, n, size = self.matrix, self.unknowns, float(np.linalg.norm(f))
+        product = LinearOperator((n, n), matvec=lambda v: G.T @ (G @ v), dtype=float)
+        most = int(10 * condition) + 100
+        d, _ = cg(product, G.T @ (b - G @ f), rtol=min(0.01, 1 / condition), maxiter=most)
+        return 2 * float(np.linalg.norm(d)) / size if size > 0 else 0.0
 
-        Of G v, v random, it finds v again except for the part of v in the null space.
-        """
-        v = np.random.default_rng(0).standard_normal(self.unknowns)
-        # |lost|² is close to the null-space dimension, |lost| < 1e-2 has probability < 0.01.
-        # A loose tolerance clears most matrices; one that it does not clear is looked at again.
-        for tol in (1e-7, 1e-10):
-            if np.linalg.norm(v - self._lsmr(self.matrix @ v, tol)) <= 1e-2:
-                return 0
-        return self._null_dimension
+    def _probe(self, tol: float) -> tuple[float, float]:
+        """Of G v, v random, lsmr finds v again but for this share, and feels this condition."""
+        kept = self.__dict__.setdefault("_probes", {})
+        if tol not in kept:
+            v = np.random.default_rng(0).standard_normal(self.unknowns)
+            try:
+                f, condition = self._lsmr(self.matrix @ v, tol)
+                kept[tol] = float(np.linalg.norm(v - f) / np.linalg.norm(v)), condition
+            except RuntimeError:
+                kept[tol] = np.inf, np.inf
+        return kept[tol]
 
     # --- refusal --------------------------------------------------------------------------
 

@@ -26,8 +26,10 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, hstack, vstack
 
 from packing.arrays import Floats
-from scaling.constrained import ConstrainedLeastSquares, global_moments
+from scaling.constrained import ConstrainedLeastSquares
 from scaling.equation import ForceEquation, force_equation
+from scaling.evidence import Solved, accepted
+from scaling.global_moments import global_moments
 from scaling.sources import Sources
 
 if TYPE_CHECKING:
@@ -81,17 +83,19 @@ def size_problem(equation: ForceEquation, noise: Sources) -> ConstrainedLeastSqu
 
 def optimal_forces(
     equation: ForceEquation, stiffness: float, noise: Sources, data: str
-) -> tuple[Floats, Floats, int, float]:
+) -> tuple[Solved, Floats, int, float]:
     """(f, y = the noise found in the data, steps, relative change of f in the last one).
 
-    One step is exact unless positions are noisy. RuntimeError: the steps do not converge, as for
-    noise that moves grains by a good part of their size.
+    One step is exact unless positions are noisy. ValueError: f is not determined well enough;
+    RuntimeError: the steps do not converge, as for noise that moves grains by a good part of their
+    size.
     """
     unit = noise.unit
     if data == "sizes":
         t = equation.rhs(stiffness) / stiffness / unit
-        u = size_problem(equation, noise).solve(np.zeros(noise.count), t)
-        return stiffness * unit * u[noise.count :], u[: noise.count], 1, 0.0
+        found = size_problem(equation, noise).solved(np.zeros(noise.count), t)
+        f = stiffness * unit * found.values[noise.count :]
+        return _of_forces(found, stiffness * unit, f), found.values[: noise.count], 1, 0.0
     F = -equation.balance_rhs() / stiffness
     c, k = equation.network.contacts, noise.count
     y, φ = np.zeros(k), np.zeros(equation.unknowns)
@@ -100,27 +104,36 @@ def optimal_forces(
         problem, B, C = geometric_problem(here, noise, φ)
         δ = here.network.overlaps
         b = F + here.matrices.M_normal @ δ + C @ y
-        u = problem.solve(np.zeros(k), b / unit)
+        found = problem.solved(np.zeros(k), b / unit)
+        u = found.values
         y_new, φ_t = u[:k], unit * u[k : k + equation.unknowns - c]
         φ_new = np.concatenate([δ - B @ (y_new - y), φ_t])
         scale = float(np.linalg.norm(φ_new)) or 1.0
         change = float(np.linalg.norm(φ_new - φ)) / scale
         y, φ = y_new, φ_new
+        solved = _of_forces(found, stiffness * unit, stiffness * φ)
         if not noise.moves:
-            return stiffness * φ, y, 1, 0.0
+            return solved, y, 1, 0.0
         # Done when the change is tiny, or no longer shrinks because it is rounding of overlaps.
         rounding = _ROUNDING * equation.network.mean_diameter / (scale / np.sqrt(len(φ)))
         small = change < max(_SMALL, rounding)
         if change < 1e-10 or (small and change > 0.5 * previous):
-            return stiffness * φ, y, step + 1, change
+            return solved, y, step + 1, change
         previous = change
         here = force_equation(_corrected(equation.network, noise, y), equation.frictional)
     if small:
-        return stiffness * φ, y, step + 1, change
+        return solved, y, step + 1, change
     raise RuntimeError(
         f"optimal estimate: after {_MOST_STEPS} steps the forces still change by {change:.1e} of "
         f"themselves; noise of xi = {noise.xi:g} is too strong to linearise"
     )
+
+
+def _of_forces(found: Solved, unit: float, f: Floats) -> Solved:
+    """`f`, and its share of the error of (y ; φ_t), which are in `unit` of force."""
+    size = float(np.linalg.norm(f))
+    error = found.error * unit * float(np.linalg.norm(found.values)) / size if size else 0.0
+    return accepted(Solved(f, error, found.solver), "optimal estimate")
 
 
 def _corrected(network: ContactNetwork, noise: Sources, y: Floats) -> ContactNetwork:

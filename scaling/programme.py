@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import block_array, csr_array, diags_array, eye_array
 
 from packing.arrays import Floats
-from scaling.constrained import global_moments
+from scaling.global_moments import global_moments
 from scaling.posterior import Posterior
 
 Shift = tuple[Floats, Floats, Floats]

@@ -134,14 +134,15 @@ def reconstruct(
     if method == "gppsz":
         return _gppsz(equation, stiffness, solver, tol)
     if method == "balanced":
-        f, residual = balanced_forces(equation, stiffness)
-        return _result(equation, f, residual, method, "factor")
+        found, residual = balanced_forces(equation, stiffness)
+        return _result(equation, found.values, residual, method, found.solver)
     if method == "optimal":
         source = sources(network, noise, covariance, xi)
-        f, y, steps, change = optimal_forces(equation, stiffness, source, data)
+        found, y, steps, change = optimal_forces(equation, stiffness, source, data)
+        f = found.values
         more = {"noise": y / source.xi, "steps": steps, "change": change}
         more["scale"] = stiffness * source.xi
-        return _result(equation, f, _imbalance(equation, f), method, "factor", more)
+        return _result(equation, f, _imbalance(equation, f), method, found.solver, more)
     if method == "bounded":
         if friction is None:
             if frictional:

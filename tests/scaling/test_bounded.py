@@ -274,7 +274,7 @@ def test_loads_in_a_periodic_cell_are_refused():
     ("forces", "message"),
     [
         (np.ones(7), "7 forces for"),
-        (np.full(2, np.nan), r"component 0\) is nan"),
+        (np.full(2, np.nan), r"forces\[0\] \(component 0\) is nan"),
     ],
 )
 def test_to_pressure_refuses_what_are_no_forces(forces, message):

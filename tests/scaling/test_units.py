@@ -11,6 +11,7 @@ from scipy.sparse import csr_array, eye_array
 from scaling import ContactNetwork, cramer_rao, error_map, perturb, reconstruct
 from scaling.constrained import ConstrainedLeastSquares
 from scaling.error_theory import LINEAR
+from scaling.evidence import Solved
 from tests.conftest import packing
 
 UNITS = (1e-6, 1e-3, 1e3, 1e4, 1e6)
@@ -91,7 +92,8 @@ def test_conditions_that_are_not_met_are_refused(monkeypatch):
     B = csr_array(np.array([[1.0, 1.0]]))
     problem = ConstrainedLeastSquares(csr_array(eye_array(2)), B, "two numbers")
     assert problem.solve(np.zeros(2), np.ones(1)) == pytest.approx([0.5, 0.5])
-    monkeypatch.setattr(problem, "_solve", lambda a, b: np.array([0.5, 0.501]))
+    wrong = Solved(np.array([0.5, 0.501]), 0.0, "dense")
+    monkeypatch.setattr(problem, "_decompose", lambda a, b: wrong)
     with pytest.raises(RuntimeError, match=r"two numbers: .* violated by 1.4e-03"):
         problem.solve(np.zeros(2), np.ones(1))
 
