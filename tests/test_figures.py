@@ -154,20 +154,38 @@ def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
     assert len(read(paths[2])[1]) == len(table) == 150
 
 
-def test_figure_5_finds_the_laws(packings, tmp_path):
-    """K² over loops per contact, and the bound over hyperstaticity, vary less than the other
-    candidate for each; on packings of 40 grains within 15 and 25 %, K²/ℓ is 0.5 to 0.15, and the
-    fitted curve is right on average to 15 %, which it would not be without its 1 + b/N (24 %)."""
-    table = fig5.compute(packings, SMALL)
+def test_figure_5_finds_the_laws():
+    """On the packings of the full edition: K² over loops per contact, and the bound over
+    hyperstaticity, vary less than the other candidate for each; K²/ℓ is near 0.5, and the fitted
+    curve right to 2 %, which it would not be with the 1 + b/N of 40 grains (18 %)."""
+    table = np.genfromtxt(
+        ROOT / "figures" / "fig5.csv", fig5.TABLE, delimiter=",", names=True, skip_header=1
+    )
     spread = {k: sd / mean for k, (mean, sd) in fig5.laws(table).items()}
-    assert spread["gppsz K² / loops per contact"] < 0.15
+    assert spread["gppsz K² / loops per contact"] < 0.05
     assert spread["gppsz K² / hyperstaticity"] > 0.25
-    assert spread["bound (positions) K / hyperstaticity"] < 0.25
+    assert spread["bound (positions) K / hyperstaticity"] < 0.05
     assert spread["bound (positions) K² / hyperstaticity"] > 0.4
-    assert fig5.laws(table)["gppsz K² / loops per contact"][0] == pytest.approx(0.5, abs=0.15)
+    assert fig5.laws(table)["gppsz K² / loops per contact"][0] == pytest.approx(0.5, abs=0.01)
     law = table["K_gppsz_diameter"] ** 2 / table["loops"]
-    assert np.mean(law / fig5.curve(table["Z"], GRAINS)) == pytest.approx(1, abs=0.15)
-    assert np.mean(law / fig5.curve(table["Z"], np.inf)) > 1.15
+    assert law / fig5.curve(table["Z"], table["grains"]) == pytest.approx(1, abs=0.04)
+    assert np.mean(law / fig5.curve(table["Z"], table["grains"])) == pytest.approx(1, abs=0.01)
+    assert np.mean(law / fig5.curve(table["Z"], 40)) < 0.85
+
+
+def test_figure_5_counts_and_gains(packings, tmp_path):
+    """Its rows are those packings: gains within four bars of the exact ones, counts by formula."""
+    table = fig5.compute(packings, SMALL)
+    assert len(table) == 2 * len(DELTAS)
+    for one, p in zip(table, fig5.chosen(packings, SMALL), strict=True):
+        assert one["delta"] == p.delta
+        assert one["Z"] == p.coordination
+        assert one["loops"] == pytest.approx(1 - 2 / p.coordination)
+        unknowns, grains = 2 * len(p.pairs), np.sum(~p.rattlers)
+        assert one["hyperstaticity"] == pytest.approx(1 - (3 * grains - 2) / unknowns)
+        assert one["p_over_f"] == pytest.approx(p.pressure / mean_force(p.forces))
+        exact = amplification_of(p) / one["p_over_f"]
+        assert abs(one["K_gppsz_diameter"] - exact) < 6 * one["bar_gppsz_diameter"]
     paths = write(fig5.plot(table), tmp_path, "fig5", table, fig5.facts(packings, SMALL))
     assert len(read(paths[2])[1]) == len(table)
 

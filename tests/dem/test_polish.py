@@ -173,8 +173,9 @@ class Stored(Exception):
 
 
 def test_a_contact_that_would_pull_is_opened(monkeypatch):
-    """The weakest contact is made to pull at the end: on the tangent the others balance without
-    it.  Left in (no openings, the negative control), the polish fails."""
+    """The weakest contact is made to pull at the end: it is opened, and bears nothing.  On the
+    tangent the others balance without it, to round-off in at least three of six packings (in 13
+    of 14; the others lose a second contact).  Left in, the control, the polish fails."""
     increments, without, opened = polish_module._increments, Equilibrium.without, []
 
     def pulling(balance, trial):
@@ -195,14 +196,19 @@ def test_a_contact_that_would_pull_is_opened(monkeypatch):
     monkeypatch.setattr(polish_module, "_increments", pulling)
     monkeypatch.setattr(polish_module, "_store", store)
     monkeypatch.setattr(Equilibrium, "without", remember)
-    with pytest.raises(Stored) as stored:
-        relax(Scene(48, 1e-4), 1, progress=False)
-    (rest,) = stored.value.args
-    assert rest.residual < 1e-12
-    ((weakest,),) = opened
-    assert not rest.bearing[weakest]
-    assert rest.normal[weakest] == 0
-    assert (rest.normal >= 0).all()
+    residuals = []
+    for seed in range(1, 7):
+        opened.clear()
+        with pytest.raises(Stored) as stored:
+            relax(Scene(48, 1e-2), seed, progress=False)
+        (rest,) = stored.value.args
+        weakest = opened[0]
+        assert len(weakest) == 1
+        assert not rest.bearing[weakest].any()
+        assert not rest.normal[weakest].any()
+        assert (rest.normal >= 0).all()
+        residuals.append(rest.residual)
+    assert np.sum(np.array(residuals) < 1e-12) >= 3, residuals
 
     opened.clear()
     monkeypatch.setattr(Equilibrium, "without", lambda self, trial, pulls: trial)

@@ -104,7 +104,9 @@ def test_a_missed_contact_is_found(monkeypatch):
 
 def test_a_grain_inside_another_is_found(monkeypatch):
     def tunnelled(state, near):
-        state.radii[0] *= 3
+        """A grain grows until it holds the centre of the first it is listed with."""
+        i, _ = near.pairs[0]
+        state.radii[i] = 1.01 * np.abs(near.branches(state)[0])
         _audit(state, near)
 
     _audit = RELAX.refuse_missed_contacts

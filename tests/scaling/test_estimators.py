@@ -206,9 +206,17 @@ def test_bias_grows_with_the_square_of_the_noise():
     assert slope == pytest.approx(2, abs=0.1)
 
 
-@pytest.mark.parametrize("delta", [1e-1, 1e-3, 1e-5])
-def test_open_clusters_leave_the_global_moment_free(delta):
-    """Position noise on an open network: the error is O(ξ), not O(ξ/Δ) times more, at every Δ."""
+def test_open_clusters_leave_the_global_moment_free():
+    """Position noise of ξ = 1e-3 Δ on an open network: the same draw costs the same from Δ = 1e-3
+    to 1e-5, within 20 %, not 100 times as much through the moment of the whole; and at Δ = 0.1,
+    where overlaps bend the directions, within a factor 10."""
+    soft, stiff, stiffer = (np.array(errors_of_a_cluster(d)) for d in (1e-1, 1e-3, 1e-5))
+    assert stiffer == pytest.approx(stiff, rel=0.2)
+    assert np.abs(np.log(soft / stiff)).max() < np.log(10)
+
+
+def errors_of_a_cluster(delta):
+    """E of `balanced` and of `optimal` on some 38 of 100 grains, and both exact without noise."""
     truth = loaded(periodic(100, delta=delta))
     mask = np.linalg.norm(truth.network.positions - 5, axis=1) < 3.5
     n = truth.network
@@ -222,15 +230,14 @@ def test_open_clusters_leave_the_global_moment_free(delta):
     true = f[:, n.contact_index].ravel()
     assert n.cell is None
     xi = 1e-3 * delta
-    errors = {}
+    errors = []
     for method, more in (("balanced", {}), ("optimal", {"xi": xi, "noise": "position"})):
         exact = reconstruct(n, 1.0, method, **more)
         smallest = force_equation(n).conditioning.smallest
         assert relative_error(exact.forces, true) < 1e3 * EPS / delta / smallest
         noisy = perturb(n, xi, np.random.default_rng(0), "position")
-        errors[method] = relative_error(reconstruct(noisy, 1.0, method, **more).forces, true)
-    assert errors["optimal"] < 1e-2
-    assert errors["balanced"] < 1e-2
+        errors.append(relative_error(reconstruct(noisy, 1.0, method, **more).forces, true))
+    return errors
 
 
 def test_rhombus_balanced_by_hand():
