@@ -179,3 +179,16 @@ def test_unsupported_loads_are_refused():
         force_equation(twisted, frictional=False)
     with pytest.raises(ValueError, match="does not wind"):
         force_equation(n, winding=True)
+
+
+def test_rhs_of_windings_holds_what_the_lattice_leaves():
+    """κ (Q|σ⟩ - Λ) = κ Q|δ⟩, O(Δ), for faces and windings alike; Λ itself is O(L)."""
+    n = periodic(36, delta=1e-4)
+    equation = force_equation(n, winding=True)
+    closing = equation.rhs(3.0)[equation.M.shape[0] :]
+    weight = abs(equation.Q).sum(axis=1).max()
+    assert (
+        np.abs(closing - 3.0 * equation.Q @ n.overlaps).max() < 1e2 * EPS * weight * n.cell.max()
+    )
+    assert np.abs(closing).max() < 3 * 1e-3 * weight
+    assert np.abs(equation.Q @ n.sigma).max() > 0.5 * n.cell.max()
