@@ -13,7 +13,7 @@ from shutil import copytree, ignore_patterns
 from tempfile import TemporaryDirectory
 
 #: Seconds after which a mutated loop is taken as endless, and noticed.
-LONGEST = 600
+LONGEST = 300
 #: Exit codes of pytest: a test failed; collection was interrupted (a module did not load).
 NOTICED = (1, 2)
 

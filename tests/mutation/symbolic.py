@@ -19,24 +19,10 @@ SYMBOLIC = (
         LAWS,
     ),
     Mutation(
-        "law: compliance for its inverse",
-        "scaling/symbolic/contact.py",
-        "return sp.powsimp(1 / compliance(",
-        "return sp.powsimp(compliance(",
-        LAWS,
-    ),
-    Mutation(
         "Hertz: the gap of one sphere for two",
         "scaling/symbolic/hertz.py",
         "wanted = delta / 2 - r**2 / sigma",
         "wanted = delta - r**2 / sigma",
-        LAWS,
-    ),
-    Mutation(
-        "Hertz: far contact left out",
-        "scaling/symbolic/hertz.py",
-        "1 / R - 2 / (2 * R - z) - 2 / root",
-        "1 / R - 2 / root",
         LAWS,
     ),
     Mutation(
@@ -62,13 +48,6 @@ SYMBOLIC = (
         LAWS,
     ),
     Mutation(
-        "sandpile: prefactor without Poisson's ratio",
-        "scaling/symbolic/dimensions.py",
-        "scale = 3 * (1 - poisson**2)",
-        "scale = 3 * (1 + poisson**2)",
-        LAWS,
-    ),
-    Mutation(
         "noise map of diameters: factor 2",
         "scaling/symbolic/gain.py",
         '"diameter": lambda grain: sp.Rational(1, 2)',
@@ -76,24 +55,10 @@ SYMBOLIC = (
         GAINS,
     ),
     Mutation(
-        "response of Hertzian forces: compliance of the square",
-        "scaling/symbolic/newton.py",
-        "compliance = 1 / (exponent * forces[:c] ** (1 - 1 / exponent))",
-        "compliance = 1 / (exponent * forces[:c] ** (1 / exponent))",
-        LAWS,
-    ),
-    Mutation(
         "motion: second order of the direction left out",
         "scaling/symbolic/linearisation.py",
         "dM = (self.balance(dn[0]), self.balance(dn[1]))",
         "dM = (self.balance(dn[0]), 0 * self.balance(dn[1]))",
-        ORDERS,
-    ),
-    Mutation(
-        "bias: radii for diameters",
-        "scaling/symbolic/linearisation.py",
-        "np.eye(N)[grain] * scale / 2",
-        "np.eye(N)[grain] * scale",
         ORDERS,
     ),
 )
