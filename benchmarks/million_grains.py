@@ -9,12 +9,12 @@ strength Δ. C of the small packing is known exactly, and tiling hardly changes 
 from __future__ import annotations
 
 import resource
-import sys
 import time
 
 import numpy as np
 
 from dem import Packing
+from paper_figs.command import counts
 from paper_figs.packings import FULL, seed_of
 from paper_figs.packings import one as packing_of
 from scaling import (
@@ -63,7 +63,7 @@ def run(packing: Packing, copies: int) -> None:
 
 def main() -> None:
     """The size asked for."""
-    copies = int(sys.argv[1]) if len(sys.argv) > 1 else 32
+    (copies,) = counts("benchmarks.million_grains", __doc__, copies=32)
     run(packing_of(FULL, DELTA, seed_of(DELTA, 0)), copies)
 
 

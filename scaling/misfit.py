@@ -35,8 +35,8 @@ from scipy.sparse.linalg import splu
 from scipy.special import gammainc, gammaincc
 
 from packing.arrays import Floats, Integers
-from scaling.global_moments import global_moments
 from scaling.equation import ForceEquation
+from scaling.global_moments import global_moments
 from scaling.programme import Programme
 from scaling.sources import Sources
 
