@@ -1,13 +1,21 @@
 # make figures         the Comment's figures, quick edition, to build/figures/
 # make figures FULL=1  publication edition (N = 1000), to figures/
 # make test            lint, types and tests
-# make fuzz            the property tests, long
+# make test-lowest     the tests with the lowest versions that pyproject.toml declares
+# make fuzz            the property tests on 200 random examples each (EXAMPLES=n)
+# make nightly         damaged files and odd calls (INPUTS=100000 each), make fuzz, the long tests,
+#                      and the mutations that tests must notice
 # make notebooks       the derivations, run and rendered to build/notebooks/
-# make bench           the trade of speed for accuracy, to benchmarks/results/ (FULL=1: long)
+# make bench           the trade of speed for accuracy, quick, to build/benchmarks/
+# make bench FULL=1    the edition of docs/trade.md, long, to benchmarks/results/
 # make studies         the tables of docs/estimators.md, and a million grains
 # Each target makes the virtual environment it needs.
 
 PYTHON ?= python3
+# The lowest versions have wheels for this one.
+LOWEST_PYTHON ?= python3.11
+EXAMPLES ?= 200
+INPUTS ?= 100000
 # One BLAS thread a process: the packings already use every core.
 export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
@@ -15,9 +23,10 @@ export OPENBLAS_NUM_THREADS = 1
 RUN = .venv/bin/python
 comma := ,
 TEST = .venv-test/bin/python
+LOWEST = .venv-lowest/bin/python
 INSTALL = -m pip install --quiet --disable-pip-version-check --editable
 
-.PHONY: figures test fuzz bench studies notebooks clean
+.PHONY: figures test test-lowest fuzz nightly mutation bench studies notebooks clean
 
 figures: .venv/ready$(if $(FULL),-full)
 	$(RUN) -m paper_figs $(if $(FULL),--full)
@@ -28,8 +37,20 @@ test: .venv-test/ready
 	$(TEST) -m mypy
 	$(TEST) -m pytest --numprocesses=2 --nbmake tests notebooks
 
+test-lowest: .venv-lowest/ready
+	$(LOWEST) -m pytest --numprocesses=2 --nbmake --disable-warnings tests notebooks
+
 fuzz: .venv-test/ready
-	HYPOTHESIS_PROFILE=fuzz $(TEST) -m pytest tests/properties
+	HYPOTHESIS_PROFILE=fuzz FUZZ_EXAMPLES=$(EXAMPLES) \
+		$(TEST) -m pytest --numprocesses=2 tests/properties
+
+nightly: .venv-test/ready fuzz mutation
+	$(TEST) -m tests.fuzz.files --inputs $(INPUTS)
+	$(TEST) -m tests.fuzz.api --inputs $(INPUTS)
+	$(TEST) -m pytest -m nightly tests
+
+mutation: .venv-test/ready
+	$(TEST) -m tests.mutation
 
 notebooks: .venv-test/ready
 	$(TEST) -m nbconvert --execute --to html --output-dir build/notebooks notebooks/*.ipynb
@@ -57,5 +78,11 @@ studies: .venv/ready-full
 	$(TEST) $(INSTALL) ".[fast,test]"
 	touch $@
 
+.venv-lowest/ready: pyproject.toml tests/lowest.py
+	test -x $(LOWEST) || $(LOWEST_PYTHON) -m venv .venv-lowest
+	$(LOWEST) -m tests.lowest fast test > .venv-lowest/lowest.txt
+	$(LOWEST) $(INSTALL) ".[fast,test]" --constraint .venv-lowest/lowest.txt
+	touch $@
+
 clean:
-	rm -rf build .venv .venv-test
+	rm -rf build .venv .venv-test .venv-lowest

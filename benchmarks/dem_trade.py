@@ -60,7 +60,7 @@ def measure(task: tuple[str, dict[str, Any], float, int, int]) -> tuple[Any, ...
         return (knob, label, delta, seed, -1, spent, *[np.nan] * 5, False)
     spent = time.process_time() - start
     found = reconstruct(ContactNetwork.from_packing(p), p.stiffness)
-    error = relative_error(found.forces, p.forces)
+    error = relative_error(found, p)
     spread = p.normal_forces.std() / p.normal_forces.mean()
     return (
         knob, label, delta, seed, p.info["steps"], spent, p.info["residual"], error,

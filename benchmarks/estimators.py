@@ -18,7 +18,6 @@ Packings come from the store of the figures; missing ones are made (a minute wit
 
 from __future__ import annotations
 
-import sys
 import time
 
 from benchmarks.studies.bound import positions, ratio
@@ -28,6 +27,7 @@ from benchmarks.studies.prefactor import prefactor
 from benchmarks.studies.prior import measure_coverage, prior
 from benchmarks.studies.size import size
 from benchmarks.studies.stiffness import stiffness
+from paper_figs.command import one_of, parser
 
 STUDIES = {
     "laws": laws, "prefactor": prefactor, "size": size, "positions": positions, "ratio": ratio,
@@ -36,10 +36,10 @@ STUDIES = {
 
 
 def main() -> None:
-    """The studies named, or all; ValueError for a name that is none."""
-    if unknown := set(sys.argv[1:]) - set(STUDIES):
-        raise ValueError(f"{unknown.pop()}: no such study; there are {', '.join(STUDIES)}")
-    for name in sys.argv[1:] or STUDIES:
+    """The studies named, or all."""
+    line = parser("benchmarks.estimators", __doc__)
+    line.add_argument("study", nargs="*", type=one_of(STUDIES, "study"), help="default: all")
+    for name in line.parse_args().study or STUDIES:
         start = time.perf_counter()
         print(f"\n## {name}\n")
         STUDIES[name]()

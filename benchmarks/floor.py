@@ -30,7 +30,7 @@ def compute(packings: Iterable[Packing]) -> np.ndarray:
         fine = ContactNetwork.from_packing(p)
         plain = ContactNetwork(p.positions, p.radii, p.pairs, cell=p.cell, images=p.images)
         errors = [
-            relative_error(reconstruct(network, p.stiffness, method).forces, p.forces)
+            relative_error(reconstruct(network, p.stiffness, method), p)
             for network in (plain, fine)
             for method in ("gppsz", "direct")
         ]

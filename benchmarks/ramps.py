@@ -47,7 +47,7 @@ def measure(task: tuple[int, float, int]) -> list[tuple[Any, ...]]:
         other = fresh[UP.index(PATH[k])]
         rows.append((
             friction, k, p.delta, seed, p.coordination, p.solid_fraction, kept,
-            relative_error(found.forces, p.forces, frictional=friction > 0),
+            relative_error(found, p),
             other.coordination, other.solid_fraction, p.info["steps"],
         ))  # fmt: skip
     return rows

@@ -12,7 +12,6 @@ of the difference from the default.
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -28,6 +27,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from dem import NotRelaxed, Packing, PolishFailed, Scene, Settings, relax, stiffen
+from paper_figs.command import counts
 from paper_figs.style import MARKERS, new_figure
 
 TABLE = np.dtype([
@@ -163,10 +163,11 @@ def plot(table: np.ndarray) -> Figure:
     return figure
 
 
-def main(grains: int = 1000, seeds: int = 3, decades: int = 6) -> None:
+def main() -> None:
     """Print the table."""
-    print(text(compute(None, grains, seeds, decades)))
+    asked = counts("benchmarks.relaxation", __doc__, grains=1000, seeds=3, decades=6)
+    print(text(compute(None, *asked)))
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main()

@@ -63,12 +63,12 @@ def compute(packings: Iterable[Packing], kinds: Iterable[str] = KINDS) -> np.nda
                 network = ContactNetwork(
                     rounded(x, kind), rounded(p.radii, kind), p.pairs, cell=p.cell, images=images
                 )
-            found = reconstruct(network, p.stiffness).forces
+            found = reconstruct(network, p.stiffness)
             predicted = float(np.hypot(*(C * xis))) / p.delta
             xi = predicted * p.delta / float(np.hypot(*C))
             rows.append((
                 p.delta, p.info["seed"], kind, xi, xi / p.delta,
-                relative_error(found, p.forces), predicted,
+                relative_error(found, p), predicted,
             ))  # fmt: skip
     return np.array(rows, TABLE)
 

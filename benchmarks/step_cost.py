@@ -22,6 +22,7 @@ import numpy as np
 from dem import ContactLaw, Drive, History, Packing, Scene, State, relax, step
 from dem.neighbours import find_neighbours
 from dem.numpy_kernel import Motion, contact_forces, kick
+from paper_figs.command import counts
 
 DELTA, GRAINS, STEPS, REPEATS = 1e-3, 1000, 300, 9
 PRESSED, FIXED = Drive(drag=DELTA**0.5, pressure=DELTA), Drive(drag=DELTA**0.5)
@@ -118,4 +119,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    counts("benchmarks.step_cost", __doc__)
     main()

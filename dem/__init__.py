@@ -17,6 +17,7 @@ from dem.scene import Scene
 from dem.settings import Settings
 from dem.state import History, State
 from dem.stiffen import refine, stiffen
+from packing.version import __version__
 
 __all__ = [
     "ContactLaw",
@@ -28,6 +29,7 @@ __all__ = [
     "Scene",
     "Settings",
     "State",
+    "__version__",
     "packing_key",
     "ramp",
     "refine",

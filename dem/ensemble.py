@@ -29,7 +29,7 @@ from dem.store import Store
 from packing.numbers import flag, instance, seed_number, shown
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
-ALGORITHM = 5
+ALGORITHM = 6
 #: The same for packings with Δ < 1e-6, which are continued from 1e-6.
 CONTINUATION = 1
 #: Part of the key: the file format when keys began.  Files of later formats hold the same

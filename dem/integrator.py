@@ -9,6 +9,9 @@ cell, a few scalars, stays in float64.
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import fields
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
@@ -17,29 +20,71 @@ import numpy as np
 
 from dem.law import ContactLaw, Drive
 from dem.neighbours import Neighbours, find_neighbours
-from dem.numpy_kernel import Motion, kick
-from dem.state import State
-from packing.numbers import positive_number, whole_number
+from dem.numpy_kernel import Forces, Motion, kick
+from dem.state import FURTHEST, Reached, State
+from packing.numbers import instance, positive_number, shown, whole_number
 
 BACKENDS = ("auto", "numpy", "numba")
 PRECISIONS = ("float64", "float32")
+#: Time steps of one call, or of one relaxation: minutes for a few grains in Numba, hours in NumPy.
+MOST_STEPS = 10**8
+#: κ, k_t, μ, c_n and the drag are this far from the ends of float32, at 1e38, so that their
+#: products with overlaps and speeds are numbers.
+LARGEST_IN_SINGLE = 1e30
+
+
+def check_backend(backend: str) -> str:
+    """``backend``; ValueError for an unknown name or a missing package.  Loads nothing."""
+    _one_of("backend", backend, BACKENDS)
+    if backend == "numba" and find_spec("numba") is None:
+        raise ValueError("backend = 'numba' needs the extra 'fast' (package numba)")
+    return backend
 
 
 def resolve_backend(backend: str) -> str:
-    """``"numpy"`` or ``"numba"``; ValueError for an unknown name or a missing package."""
-    if backend not in BACKENDS:
-        raise ValueError(f"backend = {backend!r} is not one of {', '.join(BACKENDS)}")
-    has_numba = find_spec("numba") is not None
-    if backend == "numba" and not has_numba:
-        raise ValueError("backend = 'numba' needs the extra 'fast' (package numba)")
-    return ("numba" if has_numba else "numpy") if backend == "auto" else backend
+    """``"numpy"`` or ``"numba"``, the kernel that runs; ValueError as ``check_backend``, and when
+    Numba is installed but cannot be loaded (as "auto" warns then, and takes NumPy)."""
+    if check_backend(backend) == "numpy" or find_spec("numba") is None:
+        return "numpy"
+    if (trouble := _trouble_with_numba()) is None:
+        return "numba"
+    if backend == "numba":
+        raise ValueError(f"backend = 'numba' cannot be loaded: {trouble}")
+    warnings.warn(
+        f"Numba is installed but cannot be loaded ({trouble}): the NumPy kernel runs",
+        stacklevel=3,
+    )
+    return "numpy"
+
+
+@cache
+def _trouble_with_numba() -> str | None:
+    try:
+        import_module("dem.numba_kernel")
+    except Exception as error:  # of a version that does not fit NumPy's, or a broken library
+        return f"{type(error).__name__}: {error}"
+    return None
 
 
 def check_precision(precision: str) -> str:
     """``precision``; ValueError for an unknown name."""
-    if precision not in PRECISIONS:
-        raise ValueError(f"precision = {precision!r} is not one of {', '.join(PRECISIONS)}")
-    return precision
+    return _one_of("precision", precision, PRECISIONS)
+
+
+def _one_of(name: str, value: str, known: tuple[str, ...]) -> str:
+    if not (isinstance(value, str) and value in known):
+        raise ValueError(f"{name} = {shown(value)} is not one of {', '.join(known)}")
+    return value
+
+
+def check_single(law: ContactLaw, drive: Drive) -> None:
+    """ValueError for constants that float32 cannot hold."""
+    for record in (law, drive):
+        for name in (f.name for f in fields(record)):
+            if (value := getattr(record, name) or 0.0) > LARGEST_IN_SINGLE:
+                raise ValueError(
+                    f"{name} = {value}: precision = 'float32' holds up to {LARGEST_IN_SINGLE:g}"
+                )
 
 
 def step(
@@ -64,31 +109,45 @@ def step(
 
     Raises
     ------
-    ValueError : dt or skin not positive, steps < 1, pressure control without a cell, a cell too
-        narrow for its grains, two grains at one place, an unknown backend or precision.
+    ValueError : dt or skin not positive, steps < 1 or > 1e8, pressure control without a cell, a
+        cell too narrow for its grains, a skin whose list would not fit into memory, two grains at
+        one place, an unknown backend or precision, constants that float32 cannot hold.
     FloatingPointError : positions, velocities or cell are no longer finite: the time step was too
         long.
     """
-    dt, steps = positive_number("dt", dt), whole_number("steps", steps)
-    if steps < 1:
-        raise ValueError(f"steps = {steps}: at least one")
+    instance("state", state, State)
+    instance("law", law, ContactLaw)
+    instance("drive", drive, Drive)
+    dt, steps = positive_number("dt", dt), whole_number("steps", steps, least=1)
+    if steps > MOST_STEPS:
+        raise ValueError(f"steps = {steps}: at most {MOST_STEPS} in one call")
     if drive.pressure is not None and state.cell is None:
         raise ValueError(f"pressure = {drive.pressure} asks for a cell, and the state has none")
-    single = check_precision(precision) == "float32"
-    controlled = drive.pressure is not None
+    if single := check_precision(precision) == "float32":
+        check_single(law, drive)
     kernel = _kernel(resolve_backend(backend))
     width = positive_number("skin", 0.3 * 2 * state.radii.mean() if skin is None else skin)
+    with np.errstate(all="ignore"):  # what overflows is found when it is written back
+        return _march(state, law, dt, drive, steps, width, kernel, single)
+
+
+def _march(
+    state: State, law: ContactLaw, dt: float, drive: Drive, steps: int, width: float,
+    kernel: ModuleType, single: bool,
+) -> State:  # fmt: skip
+    controlled = drive.pressure is not None
+    if state._reached is not None and not state._reached.is_of(state):  # changed by hand
+        state._near = state._reached = None
     near = state._near
     if not isinstance(near, Neighbours) or near.skin != width:
         near = find_neighbours(state, width)
     if law.friction == 0:
         near.elongation[:] = 0.0
     motion, listed = _motion(state, near, single, controlled)
-    rotates = law.friction > 0
-    forces = state._forces
-    if forces is None or state._law != (law, controlled) or forces.pull.dtype != motion.z.dtype:
+    forces = _forces_reached(state, motion, law, controlled)
+    if forces is None:
         forces = kernel.contact_forces(motion, listed, law, 0.0)
-    kick(motion, forces, drive, 0.5 * dt, 0.0, rotates)
+    kick(motion, forces, drive, 0.5 * dt, 0.0, law.friction > 0)
     drifted = False
     while steps > 0:
         done, drifted, forces = kernel.advance(
@@ -100,12 +159,26 @@ def step(
             near = find_neighbours(state, width)
             motion, listed = _motion(state, near, single, controlled)
     _write_back(state, motion, near, listed, controlled)
-    state._near, state._forces, state._law = near, forces, (law, controlled)
+    state._near, state._reached = near, Reached.of(state, forces, (law, controlled))
     return state
 
 
 def _kernel(backend: str) -> ModuleType:
     return import_module(f"dem.{backend}_kernel")
+
+
+def _forces_reached(
+    state: State, motion: Motion, law: ContactLaw, controlled: bool
+) -> Forces | None:
+    """A copy of the forces at which the last step ended, for the kernels to write on; None where
+    they are those of another law or precision."""
+    reached = state._reached
+    if reached is None or reached.law != (law, controlled):
+        return None
+    forces = reached.forces
+    if forces.pull.dtype != motion.z.dtype:
+        return None
+    return Forces(forces.pull.copy(), forces.twist.copy(), forces.virial)
 
 
 def _motion(
@@ -139,12 +212,23 @@ def _write_back(
         raise FloatingPointError(
             f"the cell scaled by {motion.scale:.3g}: the time step is too long"
         )
-    for name, there in (("left the plane", motion.z), ("has no finite velocity", motion.v)):
-        if not np.all(np.isfinite(there)):
-            grain = int(np.flatnonzero(~np.isfinite(there))[0])
+    lost = ~np.isfinite(motion.z)
+    if state.cell is not None:
+        width, height = FURTHEST * near.sides * motion.scale
+        lost |= (np.abs(motion.z.real) > width) | (np.abs(motion.z.imag) > height)
+    for name, bad in (
+        ("left the plane", lost),
+        ("has no finite velocity", ~np.isfinite(motion.v)),
+    ):
+        if bad.any():
+            grain = int(np.argmax(bad))
             raise FloatingPointError(f"grain {grain} {name}: the time step is too long")
     if not (np.all(np.isfinite(motion.s)) and np.all(np.isfinite(listed.elongation))):
         raise FloatingPointError("a grain spins without bounds: the time step is too long")
+    if not np.isfinite(motion.rate):
+        raise FloatingPointError(
+            f"the cell strains at a rate of {motion.rate}: the time step is too long"
+        )
     if listed is not near:
         state.positions.view(complex)[:, 0] = near.origin * motion.scale + motion.z
         state.velocities.view(complex)[:, 0] = motion.v

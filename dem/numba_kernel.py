@@ -5,15 +5,19 @@ A test holds the two together to round-off over hundreds of steps.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
+from types import FunctionType
+from typing import Any
+
 import numpy as np
 from numba import njit
 
 from dem.law import ContactLaw, Drive
 from dem.neighbours import Neighbours
-from dem.numpy_kernel import Forces, Motion
+from dem.numpy_kernel import Forces, Motion, constants
 
 
-@njit(cache=True, error_model="numpy")
 def _forces(z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, dt, pull, twist):  # type: ignore[no-untyped-def]
     """Fill ``pull`` and ``twist``, advance ``u`` by ``dt``, return the virial Σ f_n r.
 
@@ -56,7 +60,6 @@ def _forces(z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, dt,
     return virial
 
 
-@njit(cache=True, error_model="numpy")
 def _advance(  # type: ignore[no-untyped-def]
     z, v, s, mass, total, area, scale, rate,
     i, j, shift, sigma, u, origin, skin, smallest, largest,
@@ -97,18 +100,42 @@ def _advance(  # type: ignore[no-untyped-def]
     return steps, False, scale, rate, virial
 
 
-def _constants(m: Motion, law: ContactLaw) -> tuple[float, float, float, float]:
-    real = m.s.dtype.type
-    return real(law.stiffness), real(law.tangential), real(law.friction), real(law.dashpot)
+@cache
+def _compiled(kept: bool) -> dict[str, Callable]:
+    """The two loops compiled; ``kept`` on disk for the next process."""
+    compile_ = njit(cache=kept, error_model="numpy")
+    forces = compile_(_forces)
+    advance = FunctionType(_advance.__code__, globals() | {"_forces": forces})
+    return {"forces": forces, "advance": compile_(advance)}
+
+
+_keeps = True
+
+
+def _run(name: str, *arguments: Any) -> Any:
+    """Call a loop; where machine code cannot be kept, compile it in each process.
+
+    That costs seconds and changes no number: a read-only package and no home, a full disk, a
+    damaged file of the cache.  The loops themselves raise nothing, so what is caught here
+    comes from keeping or loading them; anything else is raised again by the second call.
+    """
+    global _keeps
+    if _keeps:
+        try:
+            return _compiled(True)[name](*arguments)
+        except Exception:  # a damaged file can raise nearly anything
+            _keeps = False
+    return _compiled(False)[name](*arguments)
 
 
 def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> Forces:
     """As ``numpy_kernel.contact_forces``."""
     pull, twist = np.empty_like(m.z), np.empty_like(m.s)
     i, j = near.columns
-    virial = _forces(
+    virial = _run(
+        "forces",
         m.z, m.v, m.s, m.scale, m.rate, i, j, near.shift, near.sigma, near.elongation,
-        *_constants(m, law), m.s.dtype.type(dt), pull, twist,
+        *constants(m, law), m.s.dtype.type(dt), pull, twist,
     )  # fmt: skip
     return Forces(pull, twist, float(virial))
 
@@ -126,11 +153,12 @@ def advance(
     """As ``numpy_kernel.advance``."""
     i, j = near.columns
     controlled = drive.pressure is not None
-    done, drifted, m.scale, m.rate, virial = _advance(
+    done, drifted, m.scale, m.rate, virial = _run(
+        "advance",
         m.z, m.v, m.s, m.mass, m.total, m.area, m.scale, m.rate,
         i, j, near.shift, near.sigma, near.elongation,
         near.origin, near.skin, near.smallest, near.largest,
-        *_constants(m, law), drive.drag, drive.pressure or 0.0, controlled,
+        *constants(m, law), drive.drag, drive.pressure or 0.0, controlled,
         dt, steps, drifted, forces.pull, forces.twist, forces.virial,
     )  # fmt: skip
     return done, drifted, Forces(forces.pull, forces.twist, virial)

@@ -12,6 +12,7 @@ that keeps the scheme of second order with history.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -49,6 +50,12 @@ class Motion:
     area: float  # of the cell when scale = 1; 0 if there is none
     scale: float  # of the cell since the neighbour list was made
     rate: float
+
+
+def constants(m: Motion, law: ContactLaw) -> tuple[Any, Any, Any, Any]:
+    """κ, k_t, μ and c_n as numbers of the precision in which grains move."""
+    real = m.s.dtype.type
+    return real(law.stiffness), real(law.tangential), real(law.friction), real(law.dashpot)
 
 
 def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> Forces:

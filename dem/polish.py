@@ -138,4 +138,4 @@ def _store(state: State, balance: Equilibrium, y: Floats, rest: Rest) -> None:
     state.cell = np.diag(near.sides * balance.scale * balance.stretch(y))
     near.elongation[:] = rest.tangential / balance.law.tangential
     state.history = near.history()
-    state._near = state._forces = None
+    state._near = state._reached = None

@@ -12,27 +12,32 @@ is not what was (unlike ``stiffen``, which keeps f/p).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import islice
 from math import exp, sqrt
 from typing import Any
 
 import numpy as np
 
-from dem.integrator import step
-from dem.law import ContactLaw, Drive, stable_time_step
+from dem.law import Drive
 from dem.packing import Packing
-from dem.relax import CONTINUED_BELOW, NotRelaxed, check_noise, come_to_rest
+from dem.progress import PressureBar
+from dem.relax import CONTINUED_BELOW, Motion, NotRelaxed, advance, check_noise, come_to_rest
 from dem.resume import check_resumable, mean_diameter, origin, recorded_ratio, rescaled
 from dem.scene import LARGEST_DELTA, Scene
 from dem.settings import Settings
 from dem.state import History, State
-from packing.numbers import real_number
+from packing.arrays import real_array
+from packing.numbers import instance, real_number, shown
+from packing.progress import hidden
 
 #: Changes of ln p per inertial time: a decade takes 23 of them, as long as coming to rest does.
 RATE = 0.1
 #: Steps between two values of the pressure.
 STRIDE = 20
+#: Every stage is a relaxation: more of them are a series that does not end.
+MOST_STAGES = 10_000
 
 
 def ramp(
@@ -57,9 +62,10 @@ def ramp(
         given; a cell too narrow for its grains; float32 with Δ < 1e-4.
     NotRelaxed : a stage did not come to rest; its note says which.
     """
-    if not isinstance(deltas, Iterable):
-        raise ValueError(f"deltas = {deltas!r} is no series of Δ: write [{deltas!r}]")
-    path = [_checked("delta", delta, settings) for delta in deltas]
+    instance("packing", packing, Packing)
+    instance("settings", settings, Settings)
+    hidden(progress)
+    path = _path(deltas, settings)
     _check(packing)
     _checked("delta of the packing", packing.delta, settings)
     ratio = recorded_ratio(packing, stiffness_ratio)
@@ -75,6 +81,17 @@ def ramp(
             failure.add_note(f"in stage {k} of the ramp, from Δ = {before.delta:g} to {delta:g}")
             raise
     return [rescaled(p, size) for p in made]
+
+
+def _path(deltas: Any, settings: Settings) -> list[float]:
+    if not isinstance(deltas, Iterable) or isinstance(deltas, str | bytes | Mapping):
+        raise ValueError(f"deltas = {shown(deltas)} is no series of Δ: write [{shown(deltas)}]")
+    if isinstance(deltas, np.ndarray):
+        deltas = real_array("deltas", deltas, (None,))
+    path = [_checked("delta", delta, settings) for delta in islice(deltas, MOST_STAGES + 1)]
+    if len(path) > MOST_STAGES:
+        raise ValueError(f"deltas has more than {MOST_STAGES} stages: does it end?")
+    return path
 
 
 def _checked(name: str, delta: Any, settings: Settings) -> float:
@@ -106,10 +123,7 @@ def _stage(
         len(packing.radii), delta, friction=packing.friction, stiffness_ratio=ratio
     )  # what acts from here on; what the grains were drawn from stays on record
     state = _state(packing, scene)
-    try:
-        _sweep(state, packing.delta, scene, settings)
-    except FloatingPointError as burst:
-        raise NotRelaxed(f"Δ = {delta:g}: {burst}", state, np.inf, np.inf) from burst
+    _sweep(state, packing.delta, scene, settings, progress)
     new = come_to_rest(state, scene, packing.info.get("seed"), settings, progress)
     del new.info["scene"]
     new.info.update(origin(packing, delta, ratio), ramp={"from": packing.delta})
@@ -123,19 +137,15 @@ def _state(packing: Packing, scene: Scene) -> State:
     return State(packing.positions, packing.radii, cell=packing.cell, history=history)
 
 
-def _sweep(state: State, p: float, scene: Scene, settings: Settings) -> None:
-    mass = float(np.pi * np.mean(state.radii) ** 2)
-    law = ContactLaw(
-        stiffness_ratio=scene.stiffness_ratio,
-        friction=scene.friction,
-        dashpot=settings.dashpot * sqrt(mass),
-    )
-    dt = stable_time_step(law, float(state.masses.min()), settings.time_step)
-    target = scene.pressure
-    while p != target:
-        change = exp(RATE * STRIDE * dt * sqrt(p))
-        p = min(p * change, target) if p < target else max(p / change, target)
-        step(
-            state, law, dt, drive=Drive(settings.drag * sqrt(p), p), steps=STRIDE,
-            skin=settings.skin, backend=settings.backend, precision=settings.precision,
-        )  # fmt: skip
+def _sweep(
+    state: State, p: float, scene: Scene, settings: Settings, progress: bool | None
+) -> None:
+    motion = Motion.of(scene, settings, state.radii)
+    target, where = scene.pressure, f"Δ = {scene.delta:g}: "
+    with PressureBar(f"Δ={p:.0e} → {target:.0e}", p, target, progress) as bar:
+        while p != target:
+            change = exp(RATE * STRIDE * motion.dt * sqrt(p))
+            p = min(p * change, target) if p < target else max(p / change, target)
+            drive = Drive(settings.drag * sqrt(p), p)
+            advance(state, motion, drive, STRIDE, settings, where)
+            bar.show(p)

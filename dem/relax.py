@@ -10,27 +10,29 @@ Below Δ = 1e-6 the packing of 1e-6 is continued to Δ by Newton's method alone 
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
-from importlib.metadata import version
+from dataclasses import asdict, dataclass, replace
 from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from dem.audit import NotRight, refuse_missed_contacts
-from dem.integrator import resolve_backend, step
+from dem.integrator import MOST_STEPS, check_single, resolve_backend, step
 from dem.law import ContactLaw, Drive, stable_time_step
 from dem.neighbours import Neighbours
 from dem.packing import Packing
 from dem.polish import PolishFailed, polish
 from dem.progress import RestBar
+from dem.rattlers import free_rattlers
 from dem.rest import Rest, rest_as_is
 from dem.scene import Scene
 from dem.settings import Settings
-from dem.start import loose_state
-from dem.state import History, State
+from dem.start import draw_radii, loose_state
+from dem.state import Floats, History, State
 from dem.stiffen import stiffen
-from packing.numbers import seed_number
+from packing.numbers import instance, seed_number
+from packing.progress import hidden
+from packing.version import __version__
 
 #: Below this Δ packings come by continuation, in extended precision.
 CONTINUED_BELOW = 1e-6
@@ -78,12 +80,16 @@ def relax(
 
     Raises
     ------
-    ValueError : a scene whose cell is too narrow for its grains; a seed that is no whole
-        number >= 0; float32 with Δ < 1e-4.
+    ValueError : before any work: a scene whose cell is too narrow for its grains; a seed that is
+        no whole number >= 0; float32 with Δ < 1e-4; more than 1e8 time steps to the end of
+        ``settings.longest``.
     NotRelaxed : rest was not reached within ``settings.longest`` inertial times; continuation
         to Δ < 1e-6 stopped on the way, from each start.
     """
+    instance("scene", scene, Scene)
+    instance("settings", settings, Settings)
     seed = seed_number(seed)
+    hidden(progress)
     check_noise(scene.delta, settings)
     if not settings.polish or scene.delta >= CONTINUED_BELOW:
         return _integrate(scene, seed, settings, progress)
@@ -92,7 +98,7 @@ def relax(
         packing = _integrate(softer, seed, settings, progress)
         packing.info["scene"] = asdict(scene)
         try:
-            return stiffen(packing, scene.delta)
+            return stiffen(packing, scene.delta, progress=progress)
         except PolishFailed as failure:
             why, reached = failure, packing
     springs = reached.tangential_forces / scene.stiffness_ratio
@@ -113,8 +119,46 @@ def check_noise(delta: float, settings: Settings) -> None:
 
 
 def _integrate(scene: Scene, seed: int, settings: Settings, progress: bool | None) -> Packing:
+    radii = draw_radii(scene, np.random.default_rng(seed))
+    Motion.of(scene, settings, radii)  # refuses before any work
     state = loose_state(scene, np.random.default_rng(seed))
     return come_to_rest(state, scene, seed, settings, progress)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How grains move: the law, the drive, the time step, the inertial time, the most steps."""
+
+    law: ContactLaw
+    drive: Drive
+    dt: float
+    inertial: float
+    limit: int
+
+    @classmethod
+    def of(cls, scene: Scene, settings: Settings, radii: Floats) -> Motion:
+        """ValueError when there would be too many steps, or constants beyond float32."""
+        inertial = 1 / sqrt(scene.pressure)
+        law = ContactLaw(
+            stiffness_ratio=scene.stiffness_ratio,
+            friction=scene.friction,
+            dashpot=settings.dashpot * sqrt(float(np.pi * np.mean(radii) ** 2)),
+        )
+        drive = Drive(drag=settings.drag / inertial, pressure=scene.pressure)
+        if settings.precision == "float32":
+            check_single(law, drive)
+        smallest = float((np.pi * radii**2).min())
+        dt = stable_time_step(law, smallest, settings.time_step)
+        steps = settings.longest * inertial / dt
+        if steps > MOST_STEPS:
+            raise ValueError(
+                f"longest = {settings.longest:g}: {steps:.2g} time steps at delta = "
+                f"{scene.delta:g}, stiffness_ratio = {scene.stiffness_ratio:g}, polydispersity = "
+                f"{scene.polydispersity:g} (smallest diameter {2 * radii.min():.2g}), time_step = "
+                f"{settings.time_step:g}, more than {MOST_STEPS:.0e}: most packings rest within "
+                "100 inertial times"
+            )
+        return cls(law, drive, dt, inertial, int(np.ceil(steps)))
 
 
 def come_to_rest(
@@ -124,33 +168,17 @@ def come_to_rest(
 
     ``seed``: for the record; None if there was none.
     """
-    inertial = 1 / sqrt(scene.pressure)
-    mass = float(np.pi * np.mean(state.radii) ** 2)
-    law = ContactLaw(
-        stiffness_ratio=scene.stiffness_ratio,
-        friction=scene.friction,
-        dashpot=settings.dashpot * sqrt(mass),
-    )
-    drive = Drive(drag=settings.drag / inertial, pressure=scene.pressure)
-    dt = stable_time_step(law, float(state.masses.min()), settings.time_step)
-    limit = int(np.ceil(settings.longest * inertial / dt))
+    motion = Motion.of(scene, settings, state.radii)
+    law, drive, dt, inertial = motion.law, motion.drive, motion.dt, motion.inertial
     steps, speed, why = 0, np.inf, ""
     target, again = settings.speed, 0
-    with RestBar(scene.delta, target, limit, progress) as bar:
-        while steps < limit:
-            try:
-                step(
-                    state, law, dt, drive=drive, steps=STRIDE,
-                    skin=settings.skin, backend=settings.backend, precision=settings.precision,
-                )  # fmt: skip
-            except FloatingPointError as burst:
-                raise NotRelaxed(
-                    _where(scene, seed) + str(burst), state, np.inf, np.inf
-                ) from burst
+    with RestBar(scene.delta, target, motion.limit, progress, PRESSURE_TOLERANCE) as bar:
+        while steps < motion.limit:
+            advance(state, motion, drive, STRIDE, settings, _where(scene, seed))
             steps += STRIDE
-            speed = _speed(state) * inertial
-            bar.show(steps, speed)
-            if _pressure_error(state, scene) > PRESSURE_TOLERANCE or speed > settings.speed:
+            speed, error = _speed(state) * inertial, _pressure_error(state, scene)
+            bar.show(steps, speed, error)
+            if error > PRESSURE_TOLERANCE or speed > settings.speed:
                 continue
             if speed > target and steps < again:  # the last polish failed not long ago
                 continue
@@ -160,6 +188,7 @@ def come_to_rest(
                 target, why = speed / 10, f" ({failure})"
                 again = steps + int(RETRY * inertial / dt)
                 drive = Drive(TAIL_DRAG * settings.drag / inertial, scene.pressure)
+                bar.failed(target)
                 continue
             except NotRight as wrong:
                 raise NotRelaxed(_where(scene, seed) + str(wrong), state, speed, np.nan) from wrong
@@ -173,15 +202,36 @@ def come_to_rest(
             packing = _packing(scene, seed, settings, state, near, rest)
             packing.info.update(steps=steps, speed=speed, inertial_times=steps * dt / inertial)
             return packing
+        raise _restless(state, motion, scene, seed, settings, steps, speed, why)
+
+
+def advance(
+    state: State, motion: Motion, drive: Drive, steps: int, settings: Settings, where: str
+) -> None:
+    """``step`` with ``settings``; NotRelaxed when the grains leave the plane, or the cell shrinks
+    onto them."""
+    try:
+        step(
+            state, motion.law, motion.dt, drive=drive, steps=steps,
+            skin=settings.skin, backend=settings.backend, precision=settings.precision,
+        )  # fmt: skip
+    except (FloatingPointError, ValueError) as burst:
+        raise NotRelaxed(where + str(burst), state, np.inf, np.inf) from burst
+
+
+def _restless(
+    state: State, motion: Motion, scene: Scene, seed: int | None, settings: Settings,
+    steps: int, speed: float, why: str,
+) -> NotRelaxed:  # fmt: skip
     if state._forces is None:  # a polish that was not good enough moved the grains
-        step(state, law, dt, drive=drive, skin=settings.skin, backend=settings.backend)
+        advance(state, motion, motion.drive, 1, settings, _where(scene, seed))
     residual = _residual(state) / scene.pressure
     double = ""
     if settings.precision == "float32":
         double = (
             "; precision = 'float64' rests where the noise of float32 does not let grains rest"
         )
-    raise NotRelaxed(
+    return NotRelaxed(
         f"{_where(scene, seed)}mean speed {speed:.2e} √(p/ρ) "
         f"after {steps} steps, wanted {settings.speed:.0e}; largest force or torque residual "
         f"{residual:.2e} p{why}. Allow more time (longest = {settings.longest:g}), a drag nearer "
@@ -223,11 +273,13 @@ def _settle(
     if not settings.polish:
         rest = rest_as_is(state, near, law)
         refuse_missed_contacts(state, near)
+        free_rattlers(state, near, rest.bearing, scene.delta, NotRight)
         return near, rest
     rest = polish(state, near, law, scene.pressure, settings.residual_tolerance)
     if rest.residual > settings.residual_tolerance:
         raise PolishFailed(f"residual {rest.residual:.2e} p")
     refuse_missed_contacts(state, near)
+    free_rattlers(state, near, rest.bearing, scene.delta, PolishFailed)
     return near, rest
 
 
@@ -253,7 +305,7 @@ def _packing(
             "settings": asdict(settings),
             "backend": resolve_backend(settings.backend),
             "newton": rest.iterations,
-            "versions": {"numpy": np.__version__, "packing-forces": version("packing-forces")},
+            "versions": {"numpy": np.__version__, "packing-forces": __version__},
         },
     )
     packing.info["residual"] = float(packing.residuals().max())

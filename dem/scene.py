@@ -7,14 +7,25 @@ diameters), friction, sizes, shape of the cell.  Units: κ = ρ = ⟨σ⟩ = 1, 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
+from math import pi, sqrt
 
-from packing.numbers import real_number, whole_number
+from packing.numbers import number_from_zero, positive_number, real_number, shown, whole_number
 
-#: Below three grains there is no loop, hence no force equation.
-FEWEST_GRAINS = 3
-#: At Δ = 0.2 a contact is squeezed by a fifth of a diameter: no longer a contact of disks.
-LARGEST_DELTA = 0.2
+#: Below three grains there is no loop, hence no force equation.  A grain in motion takes 0.6 kB:
+#: ten millions are as many as a large machine holds.
+FEWEST_GRAINS, MOST_GRAINS = 3, 10**7
+#: At Δ = 0.2 a contact is squeezed by a fifth of a diameter: no longer a contact of disks.  At
+#: 1e-18 32 digits still balance 200 grains to 3e-13 p, at 1e-20 no longer to the 1e-11 promised.
+SMALLEST_DELTA, LARGEST_DELTA = 1e-18, 0.2
+#: k_t/k_n; grains have 2/3 to 1 (Mindlin).  The time step falls as the root of the stiffer spring,
+#: and from 1e5 on positions are too coarse for the stiffer one to balance (Δ = 0.01); springs much
+#: softer than Δ stretch by the size of a grain before they slide.
+SMALLEST_RATIO, LARGEST_RATIO = 1e-6, 1e3
+#: Area fraction of the start, and the width there of the narrowest cell in diameters of the
+#: largest grain.  Packings at rest are a tenth narrower, soft ones a fifth; below, a grain is soon
+#: squeezed between its own images and bears all the pressure alone.  Three grains in a square cell
+#: have 1.3 and more.
+LOOSE_FRACTION, NARROWEST_START = 0.70, 1.25
 
 
 @dataclass(frozen=True)
@@ -23,14 +34,14 @@ class Scene:
 
     Parameters
     ----------
-    grains : number of disks, at least 3.
-    delta : Δ = p/κ in (0, 0.2].
-    friction : Coulomb coefficient μ >= 0; 0 models neither history nor rotation.
+    grains : number of disks, from 3 to 1e7.
+    delta : Δ = p/κ in [1e-18, 0.2].
+    friction : Coulomb coefficient μ from 0 to 1e140; 0 models neither history nor rotation.
     polydispersity : radii are drawn uniformly within ± this fraction of 1/2, in [0, 1), and then
         rescaled to mean 1/2: the largest of few grains may exceed the fraction by as much as the
         mean that was drawn fell short.
-    stiffness_ratio : k_t/k_n > 0 of the tangential spring.
-    aspect : width over height of the cell.
+    stiffness_ratio : k_t/k_n of the tangential spring, from 1e-6 to 1e3.
+    aspect : width over height of the cell; none of the two less than 1.25 of the largest grain.
     contact : "linear", f_n = κ δ.
     boundary : "periodic", isotropic pressure control.
 
@@ -54,22 +65,52 @@ class Scene:
             object.__setattr__(self, name, real_number(name, getattr(self, name)))
         if self.grains < FEWEST_GRAINS:
             raise ValueError(f"grains = {self.grains}: a packing needs at least {FEWEST_GRAINS}")
+        if self.grains > MOST_GRAINS:
+            raise ValueError(
+                f"grains = {shown(self.grains)}: at most {MOST_GRAINS} fit into memory"
+            )
         if not 0 < self.delta <= LARGEST_DELTA:
             raise ValueError(f"delta = {self.delta} is outside (0, {LARGEST_DELTA}]")
-        if not (isfinite(self.friction) and self.friction >= 0):
-            raise ValueError(f"friction = {self.friction} is not a finite number >= 0")
+        check_smallest_delta(self.delta)
+        number_from_zero("friction", self.friction)
         if not 0 <= self.polydispersity < 1:
             raise ValueError(f"polydispersity = {self.polydispersity} is outside [0, 1)")
-        for name in ("stiffness_ratio", "aspect"):
+        positive_number("aspect", self.aspect)
+        positive_number("stiffness_ratio", self.stiffness_ratio)
+        if not SMALLEST_RATIO <= self.stiffness_ratio <= LARGEST_RATIO:
+            raise ValueError(
+                f"stiffness_ratio = {self.stiffness_ratio} is outside "
+                f"[{SMALLEST_RATIO:g}, {LARGEST_RATIO:g}]"
+            )
+        self._check_width()
+        for name, only in (("contact", "linear"), ("boundary", "periodic")):
             value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise ValueError(f"{name} = {value} is not a finite number > 0")
-        if self.contact != "linear":
-            raise ValueError(f"contact = {self.contact!r} is not built yet; use 'linear'")
-        if self.boundary != "periodic":
-            raise ValueError(f"boundary = {self.boundary!r} is not built yet; use 'periodic'")
+            if not (isinstance(value, str) and value == only):
+                raise ValueError(f"{name} = {shown(value)} is not built yet; use {only!r}")
+
+    def _check_width(self) -> None:
+        """No draw of the radii makes the cell wide enough: their mean square is at most
+        1/(1 - s²) of the squared mean, and the largest is no smaller than the mean."""
+        spread = min(self.grains, 1 / (1 - self.polydispersity**2))
+        lean = min(self.aspect, 1 / self.aspect)
+        width = sqrt(self.grains * pi / 4 * spread / LOOSE_FRACTION * lean)
+        if width < NARROWEST_START:
+            raise ValueError(
+                f"aspect = {self.aspect}: the cell of {self.grains} grains would be at most "
+                f"{width:.3g} mean diameters wide, less than {NARROWEST_START} of its largest "
+                "grain: take more grains, or an aspect nearer 1"
+            )
 
     @property
     def pressure(self) -> float:
         """The pressure p = Δ κ, with κ = 1."""
         return self.delta
+
+
+def check_smallest_delta(delta: float) -> None:
+    """ValueError for a Δ > 0 that 32 digits do not hold."""
+    if delta < SMALLEST_DELTA:
+        raise ValueError(
+            f"delta = {delta} is below {SMALLEST_DELTA:g}, where 32 digits of a position no "
+            "longer hold an overlap"
+        )

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
+from dem.integrator import check_backend, check_precision
+from packing.numbers import SMALLEST, flag, number_from_zero, positive_number
 
-from dem.integrator import check_precision, resolve_backend
-from packing.numbers import number_from_zero, positive_number
-
+#: What each setting may be, in its unit.  Below a skin of 1e-3 the list is made anew at every
+#: step; above 2 it holds ten times the pairs that touch.  Nothing rests in hundreds of inertial
+#: times with a drag below 0.02 or above 100.  A speed of 1e-12 is round-off; a record of a
+#: packing asks for a residual of 1e-2, and a polish that ends above 1e-3 is none.
+LIMITS = {
+    "drag": (1e-3, 1e3),
+    "velocity_tolerance": (1e-12, 1e3),
+    "residual_tolerance": (SMALLEST, 1e-3),
+    "skin": (1e-3, 2.0),
+    "longest": (1e-3, 1e6),
+}
 #: A time step above this fraction of √(m_eff/κ) may not come to rest: 1.0 does at every Δ, 1.5
 #: at none (2 is the stability limit of a single contact, and a grain has several).
 LONGEST_TIME_STEP = 1.0
@@ -42,7 +51,9 @@ class Settings:
 
     Raises
     ------
-    ValueError : naming the setting and its value.
+    ValueError : naming the setting and its value, and the limits that it is outside of (a drag
+        from 1e-3 to 1e3, a skin from 1e-3 to 2, residual_tolerance up to 1e-3, longest up
+        to 1e6); ``relax`` refuses what would take more than 1e8 time steps.
     """
 
     time_step: float = 0.8
@@ -57,17 +68,18 @@ class Settings:
     precision: str = "float64"
 
     def __post_init__(self) -> None:
-        resolve_backend(self.backend)
+        check_backend(self.backend)
         check_precision(self.precision)
-        positive = ["time_step", "residual_tolerance", "skin", "longest", "drag"]
-        if self.velocity_tolerance is not None:
-            positive.append("velocity_tolerance")
-        for name in positive:
-            object.__setattr__(self, name, positive_number(name, getattr(self, name)))
+        object.__setattr__(self, "time_step", positive_number("time_step", self.time_step))
+        for name, (low, high) in LIMITS.items():
+            if name == "velocity_tolerance" and self.velocity_tolerance is None:
+                continue
+            value = positive_number(name, getattr(self, name))
+            if not low <= value <= high:
+                raise ValueError(f"{name} = {value} is outside [{low:g}, {high:g}]")
+            object.__setattr__(self, name, value)
         object.__setattr__(self, "dashpot", number_from_zero("dashpot", self.dashpot))
-        if not isinstance(self.polish, bool | np.bool_):
-            raise ValueError(f"polish = {self.polish!r} is neither True nor False")
-        object.__setattr__(self, "polish", bool(self.polish))
+        object.__setattr__(self, "polish", flag("polish", self.polish))
         if self.time_step > LONGEST_TIME_STEP:
             raise ValueError(
                 f"time_step = {self.time_step} exceeds {LONGEST_TIME_STEP} √(m_eff/κ): "

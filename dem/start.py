@@ -3,6 +3,7 @@
 Points thrown at random, then pushed apart pairwise until no two grains overlap.  At the
 starting fraction of 0.70 a frictional packing (0.80 and more) is still a few percent of
 strain away, and the pushing converges within some hundred sweeps.
+Few grains, or a strip, start at 0.50.
 """
 
 from __future__ import annotations
@@ -10,11 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from dem.neighbours import Neighbours, find_neighbours
-from dem.scene import Scene
+from dem.scene import LOOSE_FRACTION, NARROWEST_START, Scene
 from dem.state import Floats, Ints, State
 
-#: Area fraction of the start.
-LOOSE_FRACTION = 0.70
+#: Area fraction of the start in a cell so narrow that a grain may meet another through two images:
+#: three equal disks in a square cell have no room at 0.64.
+NARROW_FRACTION = 0.5
 #: Grains are pushed to this multiple of touching, so that the last pushes end at a finite gap.
 CLEARANCE = 1.004
 SWEEPS = 20_000
@@ -28,13 +30,10 @@ LIST_WIDTH = 0.15
 def loose_state(scene: Scene, rng: np.random.Generator) -> State:
     """Radii, cell and non-overlapping positions for ``scene``, mean diameter 1.
 
-    Raises ValueError when the cell is too narrow for the grains.
+    Raises ValueError, before any work, when the cell is too narrow for the grains.
     """
-    spread = scene.polydispersity
-    radii = 0.5 * (1 + spread * rng.uniform(-1, 1, scene.grains))
-    radii *= 0.5 / radii.mean()
-    area = np.pi * np.sum(radii**2) / LOOSE_FRACTION
-    sides = np.sqrt(area) * np.array([scene.aspect**0.5, scene.aspect**-0.5])
+    radii = draw_radii(scene, rng)
+    sides = _sides(radii, scene.aspect)
     positions = rng.uniform(0, 1, (scene.grains, 2)) * sides
     if scene.grains >= STRIPS_FROM:
         positions = positions[_along_strips(positions)]
@@ -48,9 +47,38 @@ def loose_state(scene: Scene, rng: np.random.Generator) -> State:
         if not _push_apart(z, near):
             return state
     raise ValueError(
-        f"{scene.grains} grains of polydispersity {spread} found no loose start "
+        f"{scene.grains} grains of polydispersity {scene.polydispersity} found no loose start "
         f"at area fraction {LOOSE_FRACTION}"
     )
+
+
+def draw_radii(scene: Scene, rng: np.random.Generator) -> Floats:
+    """The radii that ``loose_state`` draws first, mean 1/2.
+
+    Raises ValueError, before any work, when the cell is too narrow for them.
+    """
+    radii = 0.5 * (1 + scene.polydispersity * rng.uniform(-1, 1, scene.grains))
+    radii *= 0.5 / radii.mean()
+    _sides(radii, scene.aspect)
+    return radii
+
+
+def _sides(radii: Floats, aspect: float) -> Floats:
+    """Width and height of the cell of the start."""
+    largest = 2 * float(radii.max())
+    sides = np.sqrt(np.pi * np.sum(radii**2) / LOOSE_FRACTION) * np.array(
+        [aspect**0.5, aspect**-0.5]
+    )
+    if sides.min() < NARROWEST_START * largest:
+        extent = "wide (along x)" if aspect < 1 else "high (along y)"
+        raise ValueError(
+            f"aspect = {aspect:g}: the cell of {len(radii)} grains would be {sides.min():.3g} "
+            f"{extent}, less than {NARROWEST_START} times its largest grain (diameter "
+            f"{largest:.3g}): take more grains, an aspect nearer 1, or a smaller polydispersity"
+        )
+    if sides.min() < 2 * (LIST_WIDTH + CLEARANCE * largest):
+        sides *= np.sqrt(LOOSE_FRACTION / NARROW_FRACTION)
+    return sides
 
 
 def _along_strips(positions: Floats) -> Ints:

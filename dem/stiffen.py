@@ -25,16 +25,21 @@ from scipy.sparse import csc_array, eye_array
 from scipy.sparse.linalg import splu
 
 from dem.audit import NotRight, refuse_missed_contacts
+from dem.history import History, ahead
 from dem.law import ContactLaw
 from dem.neighbours import Neighbours, find_neighbours
 from dem.packing import Packing
 from dem.polish import PolishFailed, newton
 from dem.precise import Place, PreciseEquilibrium
+from dem.progress import PressureBar
+from dem.rattlers import ROUNDING, evict
 from dem.rest import backbone, fewest_contacts
 from dem.resume import check_resumable, origin, power_of_two, recorded_ratio, rescaled
-from dem.state import History
+from dem.scene import check_smallest_delta
 from dem.tangent import Trial
-from packing.numbers import real_number
+from doubledouble import EPS
+from packing.numbers import instance, real_number
+from packing.progress import hidden
 
 #: Largest and smallest ratio of pressures of one stage.
 LONGEST_STAGE, SHORTEST_STAGE = 10.0, 1.02
@@ -42,7 +47,7 @@ LONGEST_STAGE, SHORTEST_STAGE = 10.0, 1.02
 FLOOR, GOOD = 1e-15, 1e-11
 #: Shift of the predictor's least squares, in κ: damps moves that no overlap determines.
 TIKHONOV = 1e-7
-PREDICTIONS, SWEEPS = 8, 300
+PREDICTIONS = 8
 
 
 def refine(packing: Packing, *, stiffness_ratio: float | None = None) -> Packing:
@@ -56,60 +61,77 @@ def refine(packing: Packing, *, stiffness_ratio: float | None = None) -> Packing
         with friction whose k_t/κ is neither recorded nor given.
     PolishFailed : Newton finds no balance near it.
     """
-    return _resumed(packing, packing.delta, stiffness_ratio)
+    instance("packing", packing, Packing)
+    return _resumed(packing, packing.delta, stiffness_ratio, False)
 
 
-def stiffen(packing: Packing, delta: float, *, stiffness_ratio: float | None = None) -> Packing:
+def stiffen(
+    packing: Packing,
+    delta: float,
+    *,
+    stiffness_ratio: float | None = None,
+    progress: bool | None = None,
+) -> Packing:
     """``packing`` continued to ``delta`` <= its own Δ, with low parts; κ, μ and grains stay.
 
-    ``stiffness_ratio``: k_t/κ, where the packing does not record it.
+    ``stiffness_ratio``: k_t/κ, where the packing does not record it.  ``progress``: None shows a
+    bar on a terminal, should it take more than two seconds, False never.
 
     Raises
     ------
-    ValueError : as ``refine``; a larger delta, or one that is not positive.
+    ValueError : as ``refine``; a larger delta, one that is not positive, or one below 1e-18.
     PolishFailed : no stage succeeds any more; says at which Δ.
     """
+    instance("packing", packing, Packing)
     delta = real_number("delta", delta)
+    hidden(progress)
     if not 0 < delta <= packing.delta:
         raise ValueError(f"delta = {delta}: continuation goes down, from {packing.delta:.3g}")
-    return _resumed(packing, delta, stiffness_ratio)
+    check_smallest_delta(delta)
+    return _resumed(packing, delta, stiffness_ratio, progress)
 
 
-def _resumed(packing: Packing, delta: float, ratio: Any) -> Packing:
+def _resumed(packing: Packing, delta: float, ratio: Any, progress: bool | None) -> Packing:
     check_resumable(packing, "continuation")
     ratio = recorded_ratio(packing, ratio)
     unit = power_of_two(packing)
-    new = rescaled(_continued(rescaled(packing, 1 / unit), delta, ratio), unit)
+    new = rescaled(_continued(rescaled(packing, 1 / unit), delta, ratio, progress), unit)
     new.info.update(origin(packing, new.delta, ratio))
     return new
 
 
-def _continued(packing: Packing, delta: float, ratio: float) -> Packing:
+def _continued(packing: Packing, delta: float, ratio: float, progress: bool | None) -> Packing:
     law = ContactLaw(packing.stiffness, ratio, packing.friction)
     place, near = _start(packing, law)
     p, target, factor = packing.pressure, delta * packing.stiffness, LONGEST_STAGE
     stages = iterations = 0
     place, trial, spent = _correct(place, near, law, p)
-    while p > target:
-        q = max(target, p / factor)
-        try:
-            ahead = _predict(place, near, law, trial, p, q)
-            near.elongation[:] = trial.tangential * (q / p) / law.tangential
-            place, trial, spent = _correct(ahead, near, law, q)
-        except PolishFailed as failure:
-            factor = sqrt(factor)
-            if factor < SHORTEST_STAGE:
-                raise PolishFailed(
-                    f"continuation to Δ = {delta:g} ends at {p / packing.stiffness:.3g}: {failure}"
-                ) from failure
-            continue
-        p, factor = q, min(factor**2, LONGEST_STAGE)
-        stages, iterations = stages + 1, iterations + spent
+    with PressureBar(f"stiffening to Δ={delta:.0e}", packing.delta, delta, progress) as bar:
+        while p > target:
+            q = max(target, p / factor)
+            try:
+                predicted = _predict(place, near, law, trial, p, q)
+                near.elongation[:] = trial.tangential * (q / p) / law.tangential
+                place, trial, spent = _correct(predicted, near, law, q)
+            except PolishFailed as failure:
+                factor = sqrt(factor)
+                if factor < SHORTEST_STAGE:
+                    raise PolishFailed(
+                        f"continuation to Δ = {delta:g} ends at {p / packing.stiffness:.3g}: "
+                        f"{failure}"
+                    ) from failure
+                continue
+            p, factor = q, min(factor**2, LONGEST_STAGE)
+            stages, iterations = stages + 1, iterations + spent
+            bar.show(p / packing.stiffness)
+    bearing = backbone(near.pairs, trial.bearing, len(packing.radii), fewest_contacts(law))
+    place = _freed(place, near, bearing, p / law.stiffness)
     try:
         refuse_missed_contacts(place.state(), near)
     except NotRight as wrong:
         raise PolishFailed(f"continuation to Δ = {delta:g}: {wrong}") from wrong
-    return _packing(packing, place, near, trial, p, {"stages": stages, "newton": iterations})
+    facts = {"stages": stages, "newton": iterations}
+    return _packing(packing, place, near, trial, bearing, p, facts)
 
 
 def _start(packing: Packing, law: ContactLaw) -> tuple[Place, Neighbours]:
@@ -120,7 +142,8 @@ def _start(packing: Packing, law: ContactLaw) -> tuple[Place, Neighbours]:
     )
     near = find_neighbours(state, 0.1)
     listed = {(*p, *m) for p, m in zip(near.pairs.tolist(), near.images.tolist(), strict=True)}
-    for e, (p, m) in enumerate(zip(packing.pairs.tolist(), packing.images.tolist(), strict=True)):
+    images = ahead(packing.images, packing.pairs[:, 0] == packing.pairs[:, 1])
+    for e, (p, m) in enumerate(zip(packing.pairs.tolist(), images.tolist(), strict=True)):
         if (*p, *m) not in listed:
             raise ValueError(f"contact {e} {tuple(p)} with image {tuple(m)} is no nearest image")
     return place, near
@@ -156,36 +179,28 @@ def _predict(
             break
         worst = np.abs(excess).max()
         y[active] += solve(jacobian @ excess)
-    ahead = balance.after(y)
-    return _evict(ahead, near, ~grains, 3 * p / law.stiffness)
+    return evict(balance.after(y), near, ~grains, 3 * p / law.stiffness)
 
 
-def _evict(place: Place, near: Neighbours, rattles: np.ndarray, gap: float) -> Place:
-    """Push rattlers off their neighbours by ``gap``, as far as their cages let them."""
-    i, j = near.columns
-    push_i, push_j = rattles[i] * 1.0, rattles[j] * 1.0
-    touches = rattles[i] | rattles[j]
-    share = 0.5 * (1 + (rattles[i] ^ rattles[j]))
-    for _ in range(SWEEPS):
-        d, overlap = place.branches(near)
-        depth = np.where(touches, np.maximum(overlap + gap, 0.0), 0.0)
-        if not depth.any():
-            break
-        move = share * depth * d / np.abs(d)
-        u = np.zeros(len(rattles), complex)
-        np.add.at(u, i, -push_i * move)
-        np.add.at(u, j, push_j * move)
-        place = place.moved(u, 0.0)
+def _freed(place: Place, near: Neighbours, bearing: np.ndarray, gap: float) -> Place:
+    """Rattlers off all that they overlap with, if any does; PolishFailed if one has no room."""
+    rounding = ROUNDING * EPS * float(place.sides.high.max() + 1)
+    if not np.any(place.branches(near)[1][~bearing] > rounding):
+        return place
+    rattles = np.ones(len(place.x.high), bool)
+    rattles[near.pairs[bearing]] = False
+    place = evict(place, near, rattles, gap)
+    overlap = np.where(bearing, 0.0, place.branches(near)[1])
+    if overlap.max() > rounding:
+        i, j = near.pairs[np.argmax(overlap)].tolist()
+        raise PolishFailed(f"grains {i} and {j} overlap by {overlap.max():.3g}, and bear nothing")
     return place
 
 
 def _packing(
-    packing: Packing, place: Place, near: Neighbours, trial: Trial, p: float, facts: dict
-) -> Packing:
-    bearing = backbone(
-        near.pairs, trial.bearing, len(packing.radii),
-        fewest_contacts(ContactLaw(friction=packing.friction)),
-    )  # fmt: skip
+    packing: Packing, place: Place, near: Neighbours, trial: Trial, bearing: np.ndarray,
+    p: float, facts: dict,
+) -> Packing:  # fmt: skip
     new = replace(
         packing,
         **place.record(),

@@ -3,3 +3,7 @@
 Arguments are checked here, where they enter: `packing.numbers` for single values,
 `packing.arrays` for arrays. `packing.immutable` keeps records read-only.
 """
+
+from packing.version import __version__
+
+__all__ = ["__version__"]

@@ -7,6 +7,7 @@ with those changed.
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,28 @@ class Immutable:
     """Base of records whose arrays are read-only: they are so after pickle and copy, too."""
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        for value in state.values():
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False
-        self.__dict__.update(state)
+        self.__dict__.update({name: read_only(value) for name, value in state.items()})
+
+
+def read_only(value: Any) -> Any:
+    """`value` with its arrays read-only: itself, entries of a sparse matrix, fields of a record.
+
+    Tuples, lists and dictionaries are followed too; what is Immutable itself looks after its own
+    arrays, and anything else is left alone.
+    """
+    if isinstance(value, np.ndarray):
+        value.flags.writeable = False
+    elif isinstance(value, dict):
+        for each in value.values():
+            read_only(each)
+    elif isinstance(value, tuple | list):
+        for each in value:
+            read_only(each)
+    elif is_dataclass(value) and not isinstance(value, type | Immutable):
+        for f in fields(value):
+            read_only(getattr(value, f.name, None))
+    elif hasattr(value, "indptr") and hasattr(value, "sum_duplicates"):
+        # Compressed sparse rows or columns: SciPy adds up duplicates in place, on demand.
+        value.sum_duplicates()
+        value.data.flags.writeable = False
+    return value

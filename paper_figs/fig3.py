@@ -48,7 +48,7 @@ def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     for ratio, child in zip(RATIOS, rng.spawn(len(RATIOS)), strict=True):
         found = reconstruct(perturb(network, ratio * DELTA, child), packing.stiffness)
         columns[f"at_{ratio:g}"] = found.normal / mean
-        error = relative_error(found.forces, packing.forces)
+        error = relative_error(found, packing)
         columns[f"E_at_{ratio:g}"] = np.full(len(i), error)
     table = np.empty(len(i), [(k, v.dtype) for k, v in columns.items()])
     for name, values in columns.items():

@@ -95,9 +95,7 @@ def _errors(p: Packing, xi: float, noise: str, rng: np.random.Generator) -> dict
     errors = {}
     for method, a in arguments.items():
         try:
-            errors[method] = relative_error(
-                reconstruct(noisy, p.stiffness, method, **a).forces, p.forces
-            )
+            errors[method] = relative_error(reconstruct(noisy, p.stiffness, method, **a), p)
         except (ValueError, RuntimeError):
             if method != "bounded":
                 raise
@@ -112,7 +110,7 @@ def _bound(p: Packing, noise: str) -> float:
     if noise == "position":
         given = {"forces": p.forces, "stiffness": p.stiffness}
     bound = cramer_rao(ContactNetwork.from_packing(p), noise, **given)
-    return bound.gain * p.pressure / mean_force(p.forces)
+    return bound.gain * p.pressure / mean_force(p)
 
 
 def _levels(p: Packing) -> tuple[float, float]:
@@ -124,7 +122,7 @@ def _levels(p: Packing) -> tuple[float, float]:
     blind = reconstruct(
         network, p.stiffness, "bounded", xi=np.inf, friction=p.friction, pressure=p.pressure
     )
-    return flat, relative_error(blind.forces, p.forces)
+    return flat, relative_error(blind, p)
 
 
 def plot(table: np.ndarray) -> Figure:

@@ -55,7 +55,7 @@ def row(p: Packing) -> tuple:
     return (
         p.delta, p.friction, len(network.active), p.info["seed"], network.coordination,
         equation.hyperstaticity / equation.unknowns, network.faces / network.contacts,
-        p.pressure / mean_force(p.forces, frictional=frictional), *K, *bars,
+        p.pressure / mean_force(p), *K, *bars,
     )  # fmt: skip
 
 

@@ -108,12 +108,12 @@ def _contacts(p: Packing, ratio: float, rng: np.random.Generator) -> Iterator[tu
         "xi": xi, "noise": "position", "friction": p.friction, "pressure": p.pressure,
     }  # fmt: skip
     known = reconstruct(noisy, p.stiffness)
-    yield "gppsz known", relative_error(known.forces, p.forces)
+    yield "gppsz known", relative_error(known, p)
     yield "gppsz inferred", _inferred(p, noisy, lists[best], "gppsz", {})
     if find_spec("clarabel"):
         try:
             known = reconstruct(noisy, p.stiffness, "bounded", **weights)
-            yield "bounded known", relative_error(known.forces, p.forces)
+            yield "bounded known", relative_error(known, p)
         except (ValueError, RuntimeError):  # nothing feasible, or a breakdown of the solver
             yield "bounded known", np.nan
         errors = [_inferred(p, noisy, lists[t], "bounded", weights) for t in BOUNDED_AT]

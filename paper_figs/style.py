@@ -15,6 +15,8 @@ mpl.use("Agg")  # figures are written, never shown
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
+from packing.version import __version__
+
 #: Told apart by the colour-blind too (Okabe and Ito).
 PALETTE = (
     "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#999999", "#000000",
@@ -72,8 +74,9 @@ def one_digit(error: float) -> str:
 
 def provenance(**facts: Any) -> dict[str, Any]:
     """Versions and seeds: what it takes to make the figure again."""
-    packages = ("packing-forces", "numpy", "scipy", "matplotlib")
-    versions = {name: version(name) for name in packages} | {"python": platform.python_version()}
+    versions = {"packing-forces": __version__}
+    versions |= {name: version(name) for name in ("numpy", "scipy", "matplotlib")}
+    versions |= {"python": platform.python_version()}
     return facts | {"versions": versions}
 
 

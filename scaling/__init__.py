@@ -6,6 +6,7 @@ Knows no simulation: networks are plain arrays, from anybody's packing. The sign
 drawn in `scaling.network`.
 """
 
+from packing.version import __version__
 from scaling.bound import cramer_rao
 from scaling.calibration import (
     forces_of_overlaps,
@@ -38,6 +39,7 @@ __all__ = [
     "ForceEquation",
     "Loops",
     "Reconstruction",
+    "__version__",
     "amplification",
     "amplification_of",
     "collapse",

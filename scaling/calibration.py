@@ -23,11 +23,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arrays import Floats, real_array
-from scaling import balanced
+from packing.numbers import (
+    finite_number,
+    flag,
+    instance,
+    positive_number,
+    shown,
+    whole_number,
+)
+from scaling import balanced, checks
 from scaling.equation import force_equation
 from scaling.network import ContactNetwork
 from scaling.posterior import virial_of
-from scaling.propagation import is_frictional
+
+_MOST_DIGITS = 32
+"""Decimals that a length with a low part has, of lengths of the order of ⟨σ⟩."""
 
 
 def rescaled(
@@ -36,26 +46,26 @@ def rescaled(
     """`network` with all radii off by a factor 1 + `radii`, all positions by 1 + `positions`.
 
     The cell and the torques over radii are measured on the same scales as positions and radii.
-    Low parts are dropped: a scale error is never that small. ValueError: an error of -1 or less,
-    or positions rescaled where there are none.
+    Low parts are dropped: a scale error is never that small. ValueError: an error that is no
+    number above -1, or positions rescaled where there are none.
     """
-    if min(radii, positions) <= -1:
-        raise ValueError(f"scale error {min(radii, positions)}: it must be above -1")
+    instance("network", network, ContactNetwork)
+    more = {"radii": 1 + finite_number("radii", radii)}
+    more["positions"] = 1 + finite_number("positions", positions)
+    for name, factor in more.items():
+        if factor <= 0:
+            raise ValueError(f"{name}: a scale error {factor - 1:g} is not above -1")
     external = network.external.copy()
-    external[:, 2] *= 1 + radii
+    external[:, 2] *= more["radii"]
     if positions and network.positions is None:
         raise ValueError("positions cannot be rescaled: this network has directions only")
-    new = ContactNetwork(
-        None if network.positions is None else (1 + positions) * network.positions,
-        (1 + radii) * network.radii,
-        network.pairs,
-        cell=None if network.cell is None else (1 + positions) * network.cell,
-        images=network.images,
+    x, cell = network.positions, network.cell
+    return network.replaced(
+        radii=more["radii"] * network.radii,
+        positions=None if x is None else more["positions"] * x,
+        cell=None if cell is None else more["positions"] * cell,
         external=external,
-        normals=network.normals if network._directions_measured else None,
     )
-    new._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
-    return new
 
 
 def rounded(
@@ -64,33 +74,35 @@ def rounded(
     """`network` with radii and positions rounded to `digits` decimals of ⟨σ⟩; same contacts.
 
     Directions that were measured stay, torques are data over radii and scale with these. Numbers
-    that are rounded have no low parts; with positions rounded those of radii and cell go too.
-    ValueError: digits that are no whole number, or a radius that is rounded to zero.
+    that are rounded have no low parts. ValueError: digits that are no whole number or beyond those
+    of a double, or a radius that is rounded to zero.
     """
-    if not (np.isfinite(digits) and digits == int(digits)):
-        raise ValueError(f"digits = {digits}: a whole number of decimals is needed")
-    unit = network.mean_diameter * 10.0 ** -int(digits)
+    instance("network", network, ContactNetwork)
+    digits = whole_number("digits", digits)
+    if abs(digits) > _MOST_DIGITS:
+        raise ValueError(f"digits = {digits}: no length has more than {_MOST_DIGITS}")
+    radii, positions = flag("radii", radii), flag("positions", positions)
+    unit = network.mean_diameter * 10.0**-digits
     R = np.round(network.radii / unit) * unit if radii else network.radii
     if not (R > 0).all():
-        i, was = int(np.argmin(R)), network.radii.min()
-        raise ValueError(f"{digits} decimals round the radius {was:.3g} of grain {i} to 0")
-    external = network.external.copy()
-    external[:, 2] *= R / network.radii
+        i = int(np.argmin(R))
+        raise ValueError(
+            f"digits = {digits}: so few decimals round the radius {network.radii[i]:.3g} of grain "
+            f"{i} to 0"
+        )
     if not positions:
-        return network.with_sizes(R, external)
+        return network if not radii else _with_radii(network, R)
     if network.positions is None:
         raise ValueError("positions cannot be rounded: this network has directions only")
-    new = ContactNetwork(
-        np.round(network.positions / unit) * unit,
-        R,
-        network.pairs,
-        cell=network.cell,
-        images=network.images,
-        external=external,
-        normals=network.normals if network._directions_measured else None,
-    )
-    new._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
-    return new
+    coarse = network if not radii else _with_radii(network, R)
+    return coarse.replaced(positions=np.round(network.positions / unit) * unit)
+
+
+def _with_radii(network: ContactNetwork, radii: Floats) -> ContactNetwork:
+    """Other radii, the torques over radii kept."""
+    external = network.external.copy()
+    external[:, 2] *= radii / network.radii
+    return network.replaced(radii=radii, external=external)
 
 
 def stiffness_response(
@@ -101,7 +113,8 @@ def stiffness_response(
     First order in `spread` (c,); `forces` are the true ones. Closure holds with f_n/κ_e, so
     with one κ the loop sums are off by Q (f_n spread): proportional to the forces, not to 1/Δ.
     """
-    equation = force_equation(network, frictional)
+    instance("network", network, ContactNetwork)
+    equation = force_equation(network, flag("frictional", frictional))
     f = real_array("forces", forces, (equation.unknowns,), "component")
     ζ = real_array("spread", spread, (network.contacts,), "contact")
     off = equation.Q @ (f[: network.contacts] * ζ)
@@ -121,18 +134,18 @@ def forces_of_overlaps(
     a spread of stiffness, exactly, and δ = (f_n/κ)^(2/3) Hertzian grains read as linear. Methods:
     "gppsz", "balanced", "direct". ValueError: another method, or bad input.
     """
-    equation = force_equation(network, frictional)
+    instance("network", network, ContactNetwork)
+    if not (isinstance(method, str) and method in ("gppsz", "balanced", "direct")):
+        raise ValueError(f"method {shown(method)}: choose gppsz, balanced or direct")
+    stiffness = positive_number("stiffness", stiffness)
+    equation = force_equation(network, flag("frictional", frictional))
     δ = real_array("overlaps", overlaps, (network.contacts,), "contact")
-    if not (np.isfinite(stiffness) and stiffness > 0):
-        raise ValueError(f"stiffness {stiffness}: it must be positive")
     b, matrices = equation.balance_rhs(), equation.matrices
     if method == "gppsz":
         return matrices.system.solve(np.concatenate([b, stiffness * (equation.Q @ δ)]))
     if method == "balanced":
         f = balanced.solver(equation).solve(stiffness * (equation.Q @ δ), b)
         return f[: equation.unknowns]
-    if method != "direct":
-        raise ValueError(f"method {method!r}: choose gppsz, balanced or direct")
     fn = stiffness * δ
     if not frictional:
         return fn
@@ -145,11 +158,12 @@ def to_pressure(network: ContactNetwork, forces: ArrayLike, pressure: float) -> 
     `forces`: (2c,) f_n then f_t, or (c,) f_n alone. ValueError: the network is open or has loads,
     the pressure is not positive, the forces are not finite, too many or too few, or do not push.
     """
+    instance("network", network, ContactNetwork)
+    pressure = positive_number("pressure", pressure)
+    f, _ = checks.forces(forces, network.contacts)
     if network.cell is None:
-        raise ValueError("to_pressure needs a periodic cell: loads fix the scale of an open one")
+        raise ValueError("pressure needs a periodic cell: loads fix the scale of an open network")
     target = virial_of(network, pressure)
-    size = network.contacts * (1 + is_frictional(network, forces))
-    f = real_array("forces", forces, (size,), "component")
     virial = float(f[: network.contacts] @ network.distances)
     if not virial > 0:
         raise ValueError(f"the forces do not push: Σ f_n r = {virial:.3g}")

@@ -5,13 +5,58 @@ Every refusal is a ``ValueError`` that names the grain or the contact and the nu
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arrays import Floats, Integers, real_array, whole_array
+from packing.numbers import shown
 
 # A measured direction may be rounded, but a vector off by more than this is not a direction.
 _UNIT_SLACK = 0.01
+
+
+_OTHER_NAMES = {
+    "cell": ("box", "lattice", "box_size", "unit_cell"),
+    "images": ("image", "shifts"),
+    "external": ("loads", "external_forces"),
+}
+"""What other codes call the fields that may be left out."""
+
+
+def fields_of(packing: Any, names: Iterable[str]) -> dict[str, Any]:
+    """The fields `names` of `packing`; ValueError for the first that it does not have."""
+    found = {}
+    for name in names:
+        if isinstance(packing, type) or not hasattr(packing, name):
+            raise ValueError(f"packing = {shown(packing)} has no {name}")
+        found[name] = getattr(packing, name)
+    return found
+
+
+def refuse_other_names(packing: Any, optional: Mapping[str, Any]) -> None:
+    """Refuse a field that would be left out because it goes by another name."""
+    for name, others in _OTHER_NAMES.items():
+        for other in others:
+            if optional[name] is None and getattr(packing, other, None) is not None:
+                raise ValueError(f"the packing has {other}, but no {name}: call it {name}")
+
+
+def forces(values: ArrayLike, contacts: int) -> tuple[Floats, bool]:
+    """(forces, whether tangential ones are among them): (2c,), f_n then f_t, or (c,) f_n alone."""
+    array = real_array("forces", values, None, "component")
+    if array.ndim != 1:
+        raise ValueError(
+            f"forces has shape {array.shape}: give one list, all f_n, then all f_t, "
+            f"({2 * contacts},) for {contacts} contacts"
+        )
+    if array.size not in (contacts, 2 * contacts):
+        raise ValueError(
+            f"{array.size} forces for {contacts} contacts: expected {contacts} or {2 * contacts}"
+        )
+    return array, array.size == 2 * contacts
 
 
 def integer(name: str, values: ArrayLike) -> Integers:

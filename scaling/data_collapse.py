@@ -13,11 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from packing.arrays import Floats, real_array
+from packing.memory import refuse_beyond
+from packing.numbers import generator, positive_number, real_number, shown, whole_number
+from scaling import checks
 from scaling.error import relative_error
+from scaling.error_theory import LINEAR
 from scaling.network import ContactNetwork
 from scaling.noise import NonPositiveRadius, check_noise, perturb
-from scaling.propagation import amplification_of, is_frictional
+from scaling.propagation import amplification_of
 from scaling.reconstruction import reconstruct
+
+_PER_ROW = 500
+"""Bytes of a row, in the list and in the array made of it."""
 
 TABLE = np.dtype(
     [
@@ -58,28 +66,41 @@ def collapse(
     xi_max : strengths ξ above it are left out, and so are draws that make a radius negative: up
         to ξ = 0.05 and with radii within ±30 % a 7σ event, even for `radius` noise
 
+    ValueError: bad input, naming argument and value.
+
     Returns a structured array with the columns of `scaling.data_collapse.TABLE`.
     """
-    ratios = np.atleast_1d(np.asarray(xis, dtype=float))
+    ratios = real_array("xis", xis, None, "strength")
+    ratios = ratios.reshape(1) if ratios.ndim == 0 else ratios
+    if ratios.ndim != 1:
+        raise ValueError(f"xis has shape {ratios.shape}, expected (any,)")
+    if (ratios <= 0).any():
+        k = int(np.argmax(ratios <= 0))
+        raise ValueError(f"xis[{k}] is {ratios[k]}: strengths must be positive")
+    if not (isinstance(method, str) and method in LINEAR):
+        raise ValueError(f"method {shown(method)} is unknown; linear ones are {', '.join(LINEAR)}")
     check_noise(noise)
-    if not (np.isfinite(ratios).all() and (ratios > 0).all()):
-        raise ValueError(f"xis {ratios.tolist()}: strengths must be positive")
+    rng, xi_max = generator("rng", rng), real_number("xi_max", xi_max)
     if not xi_max > 0:
         raise ValueError(f"xi_max = {xi_max}: the largest strength must be positive")
-    if draws < 1:
-        raise ValueError(f"draws = {draws}: at least one is needed")
+    draws = whole_number("draws", draws, 1)
+    packings = _listed(packings)
+    refuse_beyond(
+        f"draws = {shown(draws)} would make {_rows(packings, ratios, draws):.3g} rows",
+        _PER_ROW * _rows(packings, ratios, draws),
+    )
     rows: list[tuple] = []
-    packings = list(packings)
     for k, (packing, child) in enumerate(zip(packings, rng.spawn(len(packings)), strict=True)):
         network = ContactNetwork.from_packing(packing)
-        frictional = is_frictional(network, packing.forces)
-        true = np.asarray(packing.forces, dtype=float)
+        more = checks.fields_of(packing, ("forces", "stiffness", "pressure", "delta"))
+        true, frictional = checks.forces(more["forces"], network.contacts)
+        delta = positive_number("delta", more["delta"])
         C, c = amplification_of(packing, method, noise), network.contacts
-        for ratio, generator in zip(ratios, child.spawn(len(ratios)), strict=True):
-            ξ = float(ratio * packing.delta)
+        for ratio, stream in zip(ratios, child.spawn(len(ratios)), strict=True):
+            ξ = float(ratio * delta)
             if ξ > xi_max:
                 continue
-            for draw, source in enumerate(generator.spawn(draws)):
+            for draw, source in enumerate(stream.spawn(draws)):
                 try:
                     noisy = perturb(network, ξ, source, noise)
                 except NonPositiveRadius:
@@ -95,5 +116,15 @@ def collapse(
                 )
                 error = relative_error(found.forces, true, frictional=frictional)
                 normal = relative_error(found.normal, true[:c], frictional=False)
-                rows.append((k, packing.delta, ξ, ratio, draw, error, normal, C))
+                rows.append((k, delta, ξ, ratio, draw, error, normal, C))
     return np.array(rows, dtype=TABLE)
+
+
+def _listed(packings: Any) -> list[Any]:
+    if isinstance(packings, str | bytes | dict) or not isinstance(packings, Iterable):
+        raise ValueError(f"packings = {shown(packings)} is no list of packings")
+    return list(packings)
+
+
+def _rows(packings: list[Any], ratios: Floats, draws: int) -> float:
+    return float(len(packings)) * len(ratios) * min(draws, 10**100)

@@ -13,9 +13,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from packing.arrays import Floats, Integers, real_array
+from packing.arrays import Floats, Integers, real_array, whole_array
+from packing.memory import refuse_beyond
+from packing.numbers import finite_number, shown
 from scaling import checks
+from scaling.error import mean_of, read_forces
 from scaling.lattice import forward, reduced
+
+_PER_PAIR = 200
+"""Bytes for a pair within reach: what the tree returns, its image, and what is made of them."""
+_ROUNDING = 16 * np.finfo(float).eps
+"""Of a gap, over the largest coordinate: a gap that is the threshold to rounding is not below it,
+wherever the origin is."""
+_TIE = 1e-9
+"""A grain touches its own image over exactly one period: rounding must not decide."""
 
 
 def infer_contacts(
@@ -29,27 +40,42 @@ def infer_contacts(
 
     Ready for `ContactNetwork`: i <= j, ordered by pair, images zero without a `cell`. Contacts of
     a grain with its own images are named once, by that with a positive first non-zero entry.
-    ValueError: bad input, or a cell so small that contacts reach over more than its neighbours
-    (the shortest lattice vectors of the cell count, not its shear).
+    ValueError: bad input; a threshold of ⟨σ⟩ or more, as a grain fits into such a gap; a cell so
+    small that contacts reach over more than one of its periods (the shortest lattice vectors
+    of the cell count, neither its shear nor the origin); more pairs within reach than memory
+    holds.
     """
     R = checks.radii_of_grains(radii)
     x = real_array("positions", positions, (len(R), 2), "grain")
-    if not np.isfinite(threshold):
-        raise ValueError(f"threshold {threshold} is not finite")
+    threshold = finite_number("threshold", threshold)
+    mean = 2 * float(R.mean())
+    if threshold >= mean:
+        raise ValueError(
+            f"threshold = {threshold:g} is no gap of a contact: a grain of the mean diameter "
+            f"{mean:.3g} fits into it"
+        )
+    H = None if cell is None else checks.lattice(cell)
     reach = 2 * float(R.max()) + threshold
     if reach <= 0:
         return np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2), dtype=np.int64)
-    H = None if cell is None else checks.lattice(cell)
+    lengths = reach, abs(x).max(), 0.0 if H is None else abs(H).max()
+    resolved = threshold - _ROUNDING * float(max(lengths))
     short, T = (None, np.eye(2, dtype=np.int64)) if H is None else reduced(H)
     x, wrap, tiles = _surroundings(x, short, reach)
     shift = tiles @ short if short is not None else np.zeros((1, 2))
     N = len(R)
-    around = cKDTree((x[None] + shift[:, None]).reshape(-1, 2))
-    found = cKDTree(x).sparse_distance_matrix(around, reach, output_type="coo_matrix")
+    here, around = cKDTree(x), cKDTree((x[None] + shift[:, None]).reshape(-1, 2))
+    near = int(here.count_neighbors(around, reach))
+    refuse_beyond(
+        f"threshold = {threshold:g}, radii up to {R.max():.3g}: {near} pairs are within reach",
+        _PER_PAIR * near,
+    )
+    found = here.sparse_distance_matrix(around, reach, output_type="coo_matrix")
     i, other, r = found.row, found.col, found.data
     j, images = other % N, tiles[other // N]
-    touching = r - R[i] - R[j] < threshold
-    _refuse_far_images(i, j, images, r, touching)
+    touching = r - R[i] - R[j] < resolved
+    if short is not None:
+        _refuse_far_images(x @ np.linalg.inv(short), i, j, images, r, touching)
     images = (images + wrap[i] - wrap[j]) @ T
     keep = touching & ((i < j) | ((i == j) & forward(images)))
     i, j, images = i[keep], j[keep], images[keep]
@@ -59,14 +85,20 @@ def infer_contacts(
 
 
 def _refuse_far_images(
-    i: Integers, j: Integers, images: Integers, r: Floats, touching: NDArray[np.bool_]
+    s: Floats, i: Integers, j: Integers, images: Integers, r: Floats, touching: NDArray[np.bool_]
 ) -> None:
-    far = touching & (abs(images) > 1).any(axis=1)
+    """Refuse contacts longer than one period of the cell, along one of its sides; s = x cell⁻¹.
+
+    A matter of the two grains alone: where they lie in the cell has no part in it.
+    """
+    periods = abs(s[j] - s[i] + images).max(axis=1)
+    far = touching & (periods > 1 + _TIE)
     if far.any():
         e = int(np.argmax(far))
         raise ValueError(
             f"grains {i[e]} and {j[e]} touch at the distance {r[e]:.3g}, over more than the "
-            "neighbouring cells: the cell is too small for these radii and this threshold"
+            f"neighbouring cells ({periods[e]:.3g} periods): the cell is too small for these "
+            "radii and this threshold"
         )
 
 
@@ -89,39 +121,74 @@ def _surroundings(
 
 
 def confusion(
-    pairs: Integers, images: Integers, true_pairs: Integers, true_images: Integers
+    pairs: ArrayLike, images: ArrayLike, true_pairs: ArrayLike, true_images: ArrayLike
 ) -> tuple[Integers, Integers]:
     """How an inferred list compares: (inferred, true) places of the contacts that are in both.
 
     Pairs i <= j of (c, 2) with their images; a grain's own images m and -m are one contact.
 
     False contacts are the inferred ones that are not among the first, missed ones the
-    true ones not among the second.
+    true ones not among the second. ValueError: arrays that are no such lists.
     """
-
-    def keys(p: Integers, m: Integers) -> dict[tuple[int, ...], int]:
-        m = np.where((p[:, 0] == p[:, 1])[:, None] & ~forward(m)[:, None], -m, m)
-        return {(*a, *b): e for e, (a, b) in enumerate(zip(p.tolist(), m.tolist(), strict=True))}
-
-    found, true = keys(pairs, images), keys(true_pairs, true_images)
+    found = _places("pairs", pairs, "images", images)
+    true = _places("true_pairs", true_pairs, "true_images", true_images)
     both = [(e, true[k]) for k, e in found.items() if k in true]
     array = np.array(both, dtype=np.int64).reshape(-1, 2)
     return array[:, 0], array[:, 1]
 
 
+def _places(
+    name: str, pairs: ArrayLike, name_of_images: str, images: ArrayLike
+) -> dict[tuple[int, ...], int]:
+    p = checks.integer(name, pairs)
+    m = whole_array(name_of_images, images, p.shape, "contact")
+    turned = p[:, 0] > p[:, 1]
+    if turned.any():
+        e = int(np.argmax(turned))
+        raise ValueError(f"{name}: contact {e} is {tuple(p[e].tolist())}, expected i <= j")
+    m = np.where((p[:, 0] == p[:, 1])[:, None] & ~forward(m)[:, None], -m, m)
+    return {(*a, *b): e for e, (a, b) in enumerate(zip(p.tolist(), m.tolist(), strict=True))}
+
+
 def list_error(
-    forces: Floats,
-    true_forces: Floats,
-    matched: tuple[Integers, Integers],
+    forces: ArrayLike,
+    true_forces: ArrayLike,
+    matched: tuple[ArrayLike, ArrayLike],
+    *,
+    frictional: bool | None = None,
 ) -> float:
     """E over the union of both lists: a contact that a list lacks bears no force in it.
 
-    `forces` (2 c_found,), `true_forces` (2c,), `matched` from `confusion`. The scale is the mean
-    true force, as in `relative_error`.
+    `forces` (2 c_found,), `true_forces` (2c,), or (c_found,) and (c,) without friction, `matched`
+    from `confusion`. The scale is the mean true force, and `frictional` is asked for, as in
+    `relative_error`. ValueError: bad input, or places that are not in the lists.
     """
-    found, true = forces.reshape(2, -1), true_forces.reshape(2, -1)
-    e, t = matched
+    f, frictional = read_forces("true_forces", true_forces, frictional)
+    g, _ = read_forces("forces", forces, frictional)
+    parts = 2 if frictional else 1
+    found, true = g.reshape(parts, -1), f.reshape(parts, -1)
+    if not (isinstance(matched, tuple | list) and len(matched) == 2):
+        raise ValueError(f"matched = {shown(matched)} is no pair of lists of places")
+    e, t = (whole_array("matched", places, (None,)) for places in matched)
+    if e.shape != t.shape:
+        raise ValueError(f"matched holds {e.size} places in one list and {t.size} in the other")
+    for places, side in ((e, found), (t, true)):
+        outside = (places < 0) | (places >= side.shape[1])
+        if outside.any():
+            raise ValueError(
+                f"matched names contact {places[outside][0]} of a list of {side.shape[1]}"
+            )
+        if len(np.unique(places)) < len(places):
+            raise ValueError(f"matched names contact {_repeated(places)} twice")
+    scale = mean_of(f, frictional)
+    if scale == 0:
+        raise ValueError("true_forces are all 0: there is no relative error")
     squares = np.sum((found[:, e] - true[:, t]) ** 2)
     squares += np.sum(np.delete(found, e, axis=1) ** 2) + np.sum(np.delete(true, t, axis=1) ** 2)
     union = found.shape[1] + true.shape[1] - len(e)
-    return float(np.sqrt(squares / (2 * union)) / np.hypot(*true).mean())
+    return float(np.sqrt(squares / (parts * union)) / scale)
+
+
+def _repeated(places: Integers) -> int:
+    values, counts = np.unique(places, return_counts=True)
+    return int(values[counts > 1][0])

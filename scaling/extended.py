@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from doubledouble import DoubleDouble, hypot, segment_sums
 from packing.arrays import Floats, Integers, real_array
+from packing.immutable import Immutable, read_only
 
 if TYPE_CHECKING:
     from scaling.loops import Loops
@@ -24,16 +25,17 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Extended:
+class Extended(Immutable):
     """Positions ``x (N, 2)``, ``radii (N,)`` and ``cell (2, 2)`` (None if open) in 32 digits."""
 
     x: DoubleDouble
     radii: DoubleDouble
     cell: DoubleDouble | None
 
-    def with_radii(self, radii: Floats, low: ArrayLike | None) -> Extended:
-        """The same places with other radii."""
-        return replace(self, radii=_joined("radii_low", radii, low, radii))
+    def low(self, name: str) -> Floats | None:
+        """The low part of "positions", "radii" or "cell"."""
+        whole = {"positions": self.x, "radii": self.radii, "cell": self.cell}[name]
+        return None if whole is None else whole.low
 
     def unwrapped(self, shift: Integers) -> Extended:
         """Each grain moved by its ``shift (N, 2)`` of lattice vectors, without the cell."""
@@ -116,7 +118,7 @@ def low_parts(extended: Extended | None) -> dict[str, Any]:
 def _joined(name: str, high: Floats, low: ArrayLike | None, *lengths: Floats) -> DoubleDouble:
     """high + low, `low` below the rounding of the largest of `lengths`, in any unit."""
     if low is None:
-        return DoubleDouble.of(high)
+        return _frozen(DoubleDouble.of(high))
     part = real_array(name, low, np.shape(high))
     # A rounded coordinate leaves half an ulp of the largest out; anything else is a mix-up.
     allowed = 4 * np.finfo(float).eps * max(float(np.abs(each).max()) for each in lengths)
@@ -124,4 +126,9 @@ def _joined(name: str, high: Floats, low: ArrayLike | None, *lengths: Floats) ->
         raise ValueError(
             f"{name} reaches {np.abs(part).max():.3g}: a low part is below one ulp, {allowed:.1g}"
         )
-    return DoubleDouble.of(high, part)
+    return _frozen(DoubleDouble.of(high, part))
+
+
+def _frozen(number: DoubleDouble) -> DoubleDouble:
+    read_only((number.high, number.low))
+    return number

@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arrays import Floats, Integers, frozen, real_array
-from packing.immutable import Immutable
+from packing.immutable import Immutable, read_only
+from packing.numbers import shown
 from scaling import checks, subnetwork
 from scaling.extended import Extended, with_low_parts
 from scaling.lattice import reduced
@@ -75,6 +76,9 @@ class ContactNetwork(Immutable):
     _geometry: dict[Any, Any]
     # Rounding of the loads relative to themselves, where they come from forces that were rounded.
     _load_rounding: float
+    # The network whose loops these contacts have, if directions have changed since: data that
+    # change move grains, they do not re-wire.
+    _wired: ContactNetwork | None
 
     def __init__(
         self,
@@ -124,27 +128,44 @@ class ContactNetwork(Immutable):
             external=frozen(F),
             normals=frozen(n),
             contact_index=frozen(np.arange(len(ij))),
-            extended=with_low_parts(x, R, H, positions_low, radii_low, cell_low),
             _directions_measured=normals is not None,
             _geometry={},
             _load_rounding=0.0,
+            _wired=None,
         )
+        self._set_low_parts(positions_low, radii_low, cell_low)
         warn_if_coarse(self, built=True)
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
+    def _set_low_parts(self, *low: ArrayLike | None) -> None:
+        """Lengths in 32 digits; the doubles are then what these round to."""
+        extended = with_low_parts(self.positions, self.radii, self.cell, *low)
+        self._set(extended=extended)
+        if extended is not None:
+            cell = None if extended.cell is None else frozen(extended.cell.high)
+            self._set(
+                positions=frozen(extended.x.high), radii=frozen(extended.radii.high), cell=cell
+            )
+
     @classmethod
     def from_packing(cls, packing: Any) -> ContactNetwork:
         """The network of anything with `positions`, `radii` and `pairs`.
 
-        Also read, if it has them: `cell`, `images`, `external` and the low parts.
+        Also read, if it has them: `cell`, `images`, `external` and the low parts. A network is
+        returned as it is. ValueError: a field that is missing, or that goes by another name.
         CoarseCoordinatesWarning: the coordinates are rounded too coarsely for the overlaps.
         """
-        names = ("cell", "images", "external", "positions_low", "radii_low", "cell_low")
-        optional = {k: getattr(packing, k, None) for k in names}
-        network = cls(packing.positions, packing.radii, packing.pairs, **optional)
+        if isinstance(packing, cls):
+            network = packing
+        else:
+            given = checks.fields_of(packing, ("positions", "radii", "pairs"))
+            names = ("cell", "images", "external", "positions_low", "radii_low", "cell_low")
+            optional = {k: getattr(packing, k, None) for k in names}
+            checks.refuse_other_names(packing, optional)
+            network = cls(**(given | optional))
         warn_if_coarse(network)
         return network
 
@@ -234,24 +255,84 @@ class ContactNetwork(Immutable):
     @property
     def loops(self) -> Loops:
         """The faces, counter-clockwise: see `scaling.loops.faces`."""
-        return self._from_geometry("loops", faces)
+        return self._from_topology("loops", faces)
 
     @property
     def windings(self) -> Loops:
         """Two loops round the periodic cell (none if open): see `scaling.windings`."""
-        return self._from_geometry("windings", winding_loops)
+        return self._from_topology("windings", winding_loops)
 
     @property
     def forest(self) -> Forest:
         """A breadth-first spanning tree of each component."""
-        return self._from_geometry("forest", spanning_forest)
+        return self._from_topology("forest", spanning_forest)
+
+    def _from_topology(self, key: str, make: Any) -> Any:
+        return (self._wired or self)._from_geometry(key, make)
 
     def _from_geometry(self, key: Any, make: Any) -> Any:
         if key not in self._geometry:
-            self._geometry[key] = make(self)
+            self._geometry[key] = read_only(make(self))
         return self._geometry[key]
 
     # --- other networks from this one -----------------------------------------------------
+
+    def replaced(
+        self,
+        *,
+        positions: ArrayLike | None = None,
+        radii: ArrayLike | None = None,
+        cell: ArrayLike | None = None,
+        external: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
+        positions_low: ArrayLike | None = None,
+        radii_low: ArrayLike | None = None,
+        cell_low: ArrayLike | None = None,
+    ) -> ContactNetwork:
+        """The same contacts with other data; what is not given stays.
+
+        Contacts, their images, `contact_index` and the loops stay. So do directions that were
+        measured, unless `normals` are given; others follow positions and cell. A low part stays
+        with the number that it completes: new positions have the low part that is given with
+        them, or none. Equations and factorisations are shared where no direction changes.
+
+        ValueError: as for a new network, or a cell for an open one.
+        """
+        new = object.__new__(ContactNetwork)
+        kept = (*_DATA, "degrees", "active")
+        new.__dict__.update({k: v for k, v in self.__dict__.items() if k in kept})
+        if positions is not None:
+            x = real_array("positions", positions, (self.grains, 2), "grain")
+            new._set(positions=frozen(x))
+        if radii is not None:
+            R = checks.radii_of_grains(radii)
+            if R.shape != self.radii.shape:
+                raise ValueError(f"radii has shape {R.shape}, expected {self.radii.shape}")
+            new._set(radii=frozen(R))
+        if cell is not None:
+            if self.cell is None:
+                raise ValueError(f"cell = {shown(cell)}, but the network is open")
+            new._set(cell=frozen(checks.lattice(cell)))
+        if external is not None:
+            F = real_array("external", external, self.external.shape, "grain")
+            new._set(external=frozen(F))
+        if normals is not None:
+            n = checks.directions(normals, self.contacts)
+            new._set(normals=frozen(n), _directions_measured=True)
+        elif not self._directions_measured and not (positions is None and cell is None):
+            assert new.positions is not None
+            n = _normals(new.positions, self.pairs, self.images, new.cell)
+            new._set(normals=frozen(n))
+        if not np.array_equal(new.normals, self.normals):
+            new._set(_geometry={}, _wired=self._wired or self)
+        low = {"positions": positions_low, "radii": radii_low, "cell": cell_low}
+        for name, high in (("positions", positions), ("radii", radii), ("cell", cell)):
+            if high is None and low[name] is not None:
+                raise ValueError(f"{name}_low is given without {name}")
+            if high is None and self.extended is not None:
+                low[name] = self.extended.low(name)
+        new._set_low_parts(low["positions"], low["radii"], low["cell"])
+        return new
 
     def with_sizes(
         self,
@@ -259,23 +340,10 @@ class ContactNetwork(Immutable):
         external: ArrayLike | None = None,
         radii_low: ArrayLike | None = None,
     ) -> ContactNetwork:
-        """The same contacts and directions with other radii (and loads); shares what it can."""
-        R = checks.radii_of_grains(radii)
-        if R.shape != self.radii.shape:
-            raise ValueError(f"radii has shape {R.shape}, expected {self.radii.shape}")
-        F = self.external
-        if external is not None:
-            F = real_array("external", external, self.external.shape, "grain")
-        new = object.__new__(ContactNetwork)
-        new.__dict__.update(self.__dict__)
-        new.__dict__.pop("sigma", None)
-        extended = self.extended
-        if extended is not None:
-            extended = extended.with_radii(R, radii_low)
-        elif radii_low is not None:
-            extended = with_low_parts(self.positions, R, self.cell, None, radii_low, None)
-        new._set(radii=frozen(R), external=frozen(F), extended=extended)
-        return new
+        """The same contacts and directions with other radii (and loads): see `replaced`."""
+        if radii is None:
+            raise ValueError("radii = None: the new radii are needed")
+        return self.replaced(radii=radii, external=external, radii_low=radii_low)
 
     def without_rattlers(self, frictional: bool = True) -> ContactNetwork:
         """Without the contacts of rattlers: see `scaling.subnetwork.without_rattlers`."""
@@ -289,6 +357,9 @@ class ContactNetwork(Immutable):
     ) -> ContactNetwork:
         """The part on the grains of `mask`: see `scaling.subnetwork.inside`."""
         return subnetwork.inside(self, mask, normal_forces, tangential_forces)
+
+
+_DATA = tuple(ContactNetwork.__annotations__)
 
 
 def _branches(x: Floats, pairs: Integers, images: Integers, cell: Floats | None) -> Floats:

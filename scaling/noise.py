@@ -11,17 +11,15 @@ Size noise leaves G alone. Torques are data in the form T/R_i, so T_i is scaled 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
 from doubledouble import two_sum
 from packing.arrays import Floats
-from scaling.extended import low_parts
-
-if TYPE_CHECKING:
-    from scaling.network import ContactNetwork
+from packing.numbers import choice, generator, instance, number_from_zero, shown
+from scaling import checks
+from scaling.network import ContactNetwork
 
 SIZE_NOISE = ("diameter", "radius", "relative")
 NOISE = (*SIZE_NOISE, "position")
@@ -37,11 +35,12 @@ def perturb(
     """`network` as measured with noise of strength `xi` (in units of its mean diameter).
 
     The contacts stay the same ones, and so do the loops: noise moves grains, it does not re-wire.
-    ValueError: unknown noise, negative xi, or a radius that would not be positive, named.
+    ValueError: unknown noise, an xi that is no number >= 0, no generator, or a radius that would
+    not be positive, named.
     """
+    instance("network", network, ContactNetwork)
     check_noise(noise)
-    if not (np.isfinite(xi) and xi >= 0):
-        raise ValueError(f"xi = {xi}: the strength of the noise cannot be negative")
+    xi, rng = number_from_zero("xi", xi), generator("rng", rng)
     if noise == "position":
         return _moved(network, xi, rng)
     eta = rng.standard_normal(network.grains)
@@ -54,15 +53,14 @@ def perturb(
         )
     external = network.external.copy()
     external[:, 2] *= radii / network.radii
-    if network.extended is None:
-        return network.with_sizes(radii, external)
-    return network.with_sizes(radii, external, lost + network.extended.radii.low)
+    low = None if network.extended is None else lost + network.extended.radii.low
+    return network.replaced(radii=radii, external=external, radii_low=low)
 
 
 def check_noise(noise: str) -> None:
     """Refuse an unknown noise convention."""
-    if noise not in NOISE:
-        raise ValueError(f"noise {noise!r} is unknown; there are {', '.join(NOISE)}")
+    if not (isinstance(noise, str) and noise in NOISE):
+        raise ValueError(f"noise {shown(noise)} is unknown; there are {', '.join(NOISE)}")
 
 
 def check_moves(network: ContactNetwork) -> None:
@@ -81,6 +79,8 @@ def radius_scale(network: ContactNetwork, noise: str) -> Floats:
 
 def size_response(network: ContactNetwork, noise: str) -> csr_array:
     """A, (c, N) sparse: δσ_e = ξ Σ_i A_ei η_i."""
+    instance("network", network, ContactNetwork)
+    choice("noise", noise, SIZE_NOISE)
     return csr_array(_incidence(network, 1.0) @ diags_array(radius_scale(network, noise)))
 
 
@@ -94,20 +94,22 @@ def turning_response(network: ContactNetwork) -> csr_array:
     return _along(network, network.tangents)
 
 
-def balance_response(network: ContactNetwork, forces: Floats) -> csr_array:
+def balance_response(network: ContactNetwork, forces: ArrayLike) -> csr_array:
     """δM|f⟩ = ξ Σ of it times η, (3N, 2N) sparse, or (2N, 2N) for c normal forces.
 
     Directions turn, δn = t δθ and δt = -n δθ with δθ = t·(u_j - u_i)/r: the force -f_n n + f_t t
     on grain i changes by -(f_n t + f_t n) δθ, and torques do not change.
     """
+    instance("network", network, ContactNetwork)
     c, active = network.contacts, network.active
-    fn = forces[:c]
-    ft = forces[c:] if forces.size == 2 * c else np.zeros(c)
+    f, frictional = checks.forces(forces, c)
+    fn = f[:c]
+    ft = f[c:] if frictional else np.zeros(c)
     turned = fn[:, None] * network.tangents + ft[:, None] * network.normals
     δθ = diags_array(1 / network.distances) @ turning_response(network)
     difference = csr_array(_incidence(network, -1.0).T)[active]
     blocks = [-difference @ diags_array(turned[:, k]) @ δθ for k in (0, 1)]
-    if forces.size == 2 * c:
+    if frictional:
         blocks.append(csr_array((len(active), 2 * network.grains)))
     return csr_array(vstack(blocks))
 
@@ -122,27 +124,9 @@ def _moved(network: ContactNetwork, xi: float, rng: np.random.Generator) -> Cont
     check_moves(network)
     assert network.positions is not None
     displacement = xi * network.mean_diameter * rng.standard_normal(network.positions.shape)
-    moved = type(network)(
-        **_displaced(network, displacement),
-        radii=network.radii,
-        pairs=network.pairs,
-        cell=network.cell,
-        images=network.images,
-        external=network.external,
-    )
-    moved._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
-    moved._set(contact_index=network.contact_index)
-    return moved
-
-
-def _displaced(network: ContactNetwork, displacement: Floats) -> dict[str, Any]:
-    """The moved positions, with low parts if the network has them."""
-    assert network.positions is not None
     positions, lost = two_sum(network.positions, displacement)
-    if network.extended is None:
-        return {"positions": positions}
-    low = low_parts(network.extended)
-    return low | {"positions": positions, "positions_low": lost + low["positions_low"]}
+    low = None if network.extended is None else lost + network.extended.x.low
+    return network.replaced(positions=positions, positions_low=low)
 
 
 def _incidence(network: ContactNetwork, sign: float) -> csr_array:

@@ -140,13 +140,7 @@ def _corrected(network: ContactNetwork, noise: Sources, y: Floats) -> ContactNet
     """The network with the noise y taken out of its data."""
     x = network.positions
     assert x is not None
-    new = type(network)(
-        x - (noise.positions @ y).reshape(2, -1).T,
-        np.maximum(network.radii - noise.radii @ y, 1e-3 * network.radii),
-        network.pairs,
-        cell=network.cell,
-        images=network.images,
-        external=network.external,
+    return network.replaced(
+        positions=x - (noise.positions @ y).reshape(2, -1).T,
+        radii=np.maximum(network.radii - noise.radii @ y, 1e-3 * network.radii),
     )
-    new._geometry.update(loops=network.loops, forest=network.forest, windings=network.windings)
-    return new

@@ -38,7 +38,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, null_space
 
-from scaling.equation import force_equation
+from packing.memory import refuse_beyond
+from packing.numbers import flag, instance
+from scaling.equation import ForceEquation, force_equation
 from scaling.network import ContactNetwork
 from scaling.noise import distance_response, size_response
 
@@ -75,7 +77,7 @@ def loop_shares(network: ContactNetwork, frictional: bool = True) -> LoopShares:
 
     ValueError: an equation without a unique solution.
     """
-    equation = force_equation(network, frictional)
+    equation = _dense_equation(network, frictional)
     equation.matrices.system.require_full_rank()
     c, n = network.contacts, equation.unknowns
     M, Q = equation.M.toarray(), equation.Q.toarray()
@@ -108,7 +110,7 @@ def self_stress_gain(network: ContactNetwork, frictional: bool = True) -> float:
 
     ValueError: R Rᵀ is singular, as it is for Z > 4: overlaps are then not independent data.
     """
-    equation = force_equation(network, frictional)
+    equation = _dense_equation(network, frictional)
     c = network.contacts
     R = distance_response(network).toarray()
     if np.linalg.matrix_rank(R) < c:
@@ -118,4 +120,24 @@ def self_stress_gain(network: ContactNetwork, frictional: bool = True) -> float:
         )
     Z = null_space(equation.M.toarray(), rcond=1e-9)
     cost = Z[:c].T @ cho_solve(cho_factor(R @ R.T), Z[:c])
+    if not cost.size:
+        raise ValueError(
+            f"the network of {len(network.active)} grains has no state of self-stress: balance "
+            "leaves nothing open"
+        )
     return float(np.sqrt(np.sum(1 / np.linalg.eigvalsh(cost)) / equation.unknowns))
+
+
+def _dense_equation(network: ContactNetwork, frictional: bool) -> ForceEquation:
+    instance("network", network, ContactNetwork)
+    c, active = network.contacts, len(network.active)
+    if c == 0:
+        raise ValueError(f"the network of {network.grains} grains has no contacts")
+    n = 2 * c if flag("frictional", frictional) else c
+    rows = (3 if frictional else 2) * active + 2 * c
+    # M and Q, and half a dozen square matrices of the unknowns.
+    refuse_beyond(
+        f"the network of {network.grains} grains has {n} unknowns, for dense matrices",
+        8.0 * n * (rows + 6 * n),
+    )
+    return force_equation(network, frictional)

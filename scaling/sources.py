@@ -13,12 +13,16 @@ Everything that is said about errors, bounds and optimal estimates follows from 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, diags_array, issparse
 
-from packing.arrays import Floats
+from packing.arrays import Floats, real_array
+from packing.numbers import instance, positive_number, real_number
+from scaling import checks
+from scaling.network import ContactNetwork
 from scaling.noise import (
     balance_response,
     check_moves,
@@ -29,8 +33,8 @@ from scaling.noise import (
     turning_response,
 )
 
-if TYPE_CHECKING:
-    from scaling.network import ContactNetwork
+_ASYMMETRY = 1e-10
+"""Relative to √(C_aa C_bb): sums of a million products err by less, data by far more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +77,10 @@ class Sources:
         """(c, k) sparse: displacement of x_j against x_i along t, over ξ."""
         return csr_array(turning_response(network) / network.mean_diameter @ self.positions)
 
-    def balance(self, network: ContactNetwork, forces: Floats) -> csr_array:
+    def balance(self, network: ContactNetwork, forces: ArrayLike) -> csr_array:
         """D, (rows of M, k) sparse, for `forces` (2c,) or (c,)."""
-        rows = len(network.active) * (3 if forces.size == 2 * network.contacts else 2)
+        _, frictional = checks.forces(forces, network.contacts)
+        rows = len(network.active) * (3 if frictional else 2)
         if not self.moves:
             return csr_array((rows, self.count))
         return csr_array(balance_response(network, forces) / network.mean_diameter) @ (
@@ -101,12 +106,13 @@ def sources(
     ValueError: unknown noise, both kinds of noise given, a matrix that is no covariance, or noisy
     positions of a network whose directions were measured themselves, or that has none.
     """
-    N = network.grains
+    N = instance("network", network, ContactNetwork).grains
+    check_noise(noise)
     if covariance is None:
-        check_noise(noise)
-        strength = 1.0 if xi is None else float(xi)
+        strength = 1.0 if xi is None else real_number("xi", xi)
         if not (np.isfinite(strength) and strength > 0):
             raise ValueError(f"xi = {xi}: the strength of the noise must be positive and finite")
+        strength = positive_number("xi", strength)
         if noise == "position":
             check_moves(network)
             return Sources(
@@ -131,17 +137,15 @@ def sources(
 def _factor(covariance: Any, grains: int) -> csr_array:
     """L with L Lᵀ = covariance, and no column for exact data."""
     dense = covariance.toarray() if issparse(covariance) else covariance
-    matrix = np.array(dense, dtype=float)
+    matrix = real_array("covariance", dense)
     n = matrix.shape[0] if matrix.ndim else 0
     if n not in (grains, 3 * grains) or matrix.shape not in ((n,), (n, n)):
         raise ValueError(
             f"covariance has shape {matrix.shape}, expected {grains} or {3 * grains} "
             "variances, or a square matrix of that size"
         )
-    if not np.isfinite(matrix).all():
-        raise ValueError("covariance is not finite")
-    if matrix.ndim == 2 and not np.allclose(matrix, matrix.T, rtol=1e-10, atol=0):
-        raise ValueError("covariance is not symmetric")
+    if matrix.ndim == 2:
+        matrix = _symmetric(matrix)
     diagonal = matrix if matrix.ndim == 1 else matrix.diagonal()
     if (diagonal < 0).any():
         k = int(np.argmax(diagonal < 0))
@@ -157,3 +161,21 @@ def _factor(covariance: Any, grains: int) -> csr_array:
         raise ValueError(f"covariance has the negative eigenvalue {λ[0]:.3g}")
     kept = λ > 1e-14 * λ[-1]
     return csr_array(U[:, kept] * np.sqrt(λ[kept]))
+
+
+def _symmetric(matrix: Floats) -> Floats:
+    """The mean of `matrix` and its transpose, if they differ by rounding only.
+
+    Rounding of entry (a, b) is a multiple of ε √(C_aa C_bb), the scale of what it was computed
+    from, whatever the entry itself is: 0 may come out as ±1e-17 of it.
+    """
+    scale = np.sqrt(abs(matrix.diagonal()))
+    allowed = _ASYMMETRY * np.maximum(np.outer(scale, scale), abs(matrix))
+    off = abs(matrix - matrix.T) - allowed
+    if (off > 0).any():
+        a, b = np.unravel_index(int(np.argmax(off)), off.shape)
+        raise ValueError(
+            f"covariance is not symmetric: entry ({a}, {b}) is {matrix[a, b]:.6g} and entry "
+            f"({b}, {a}) {matrix[b, a]:.6g}"
+        )
+    return (matrix + matrix.T) / 2

@@ -9,11 +9,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from packing.arrays import Floats, real_array
+from packing.arrays import Floats
+from packing.memory import refuse_beyond
+from packing.numbers import instance, shown, whole_number
+from scaling import checks
 from scaling.extended import low_parts
 from scaling.lattice import forward
 from scaling.network import ContactNetwork
-from scaling.propagation import is_frictional
+
+_PER_GRAIN, _PER_CONTACT = 150, 300
+"""Bytes: the numbers that a network keeps, and as many again while it is made and checked."""
 
 
 def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
@@ -23,11 +28,13 @@ def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
     low parts, are repeated too. ValueError: no cell, no positions, or a number of copies that
     is not 1, 2, ...
     """
+    instance("network", network, ContactNetwork)
+    n, N = whole_number("copies", copies, 1), network.grains
     if network.cell is None:
         raise ValueError("an open network cannot be tiled: it has no cell")
     if network.positions is None:
         raise ValueError("tiling needs positions: this network has directions only")
-    n, N = _whole(copies), network.grains
+    _refuse_too_many(n, N, network.contacts)
     place = np.array([[a, b] for a in range(n) for b in range(n)])
     x = (network.positions[None] + (place @ network.cell)[:, None]).reshape(-1, 2)
     i, j = network.pairs.T
@@ -62,12 +69,14 @@ def tiled_forces(network: ContactNetwork, forces: ArrayLike, copies: int) -> Flo
 
     ValueError: another number of forces, one that is not finite, or of copies.
     """
-    parts = 2 if is_frictional(network, forces) else 1
-    f = real_array("forces", np.ravel(forces), (parts * network.contacts,), "component")
-    return np.tile(f.reshape(parts, -1), (1, _whole(copies) ** 2)).ravel()
+    c = instance("network", network, ContactNetwork).contacts
+    n = whole_number("copies", copies, 1)
+    f, frictional = checks.forces(forces, c)
+    _refuse_too_many(n, network.grains, c)
+    return np.tile(f.reshape(2 if frictional else 1, -1), (1, n**2)).ravel()
 
 
-def _whole(copies: float) -> int:
-    if not (np.isfinite(copies) and copies >= 1 and copies == int(copies)):
-        raise ValueError(f"copies = {copies}: a whole number is needed, at least one")
-    return int(copies)
+def _refuse_too_many(copies: int, grains: int, contacts: int) -> None:
+    needed = float(min(copies, 10**100)) ** 2 * (_PER_GRAIN * grains + _PER_CONTACT * contacts)
+    count = float(min(copies, 10**100)) ** 2 * grains
+    refuse_beyond(f"copies = {shown(copies)} would make {count:.3g} grains", needed)

@@ -8,16 +8,13 @@ balance with the lever arm r_e/2 per grain pair; with the arms R_i, up to O(Δ).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from packing.arrays import Floats, real_array
-from scaling.propagation import is_frictional
-
-if TYPE_CHECKING:
-    from scaling.network import ContactNetwork
+from packing.arrays import Floats
+from packing.numbers import instance, positive_number, shown
+from scaling import checks
+from scaling.network import ContactNetwork
 
 
 def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = None) -> Floats:
@@ -31,17 +28,16 @@ def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = N
 
     ValueError: another number of forces, one that is not finite, or a wrong area.
     """
-    frictional = is_frictional(network, forces)
-    f = real_array("forces", forces, (np.size(forces),), "component")
-    c = network.contacts
+    c = instance("network", network, ContactNetwork).contacts
+    f, frictional = checks.forces(forces, c)
     if network.cell is not None:
         if area is not None:
-            raise ValueError(f"area = {area} is not used: the network has a cell")
+            raise ValueError(f"area = {shown(area)} is not used: the network has a cell")
         area = abs(float(np.linalg.det(network.cell)))
     elif area is None:
         raise ValueError("an open network has no area of its own: give area")
-    elif not (np.isfinite(area) and area > 0):
-        raise ValueError(f"area {area}: it must be positive")
+    else:
+        area = positive_number("area", area)
     on_j = f[:c, None] * network.normals
     if frictional:
         on_j = on_j - f[c:, None] * network.tangents

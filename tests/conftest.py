@@ -15,7 +15,13 @@ _slow = [HealthCheck.too_slow, HealthCheck.data_too_large]
 settings.register_profile(
     "ci", max_examples=25, deadline=None, derandomize=True, suppress_health_check=_slow
 )
-settings.register_profile("fuzz", max_examples=2000, deadline=None, suppress_health_check=_slow)
+# FUZZ_EXAMPLES: 200 take ten minutes, more find little.
+settings.register_profile(
+    "fuzz",
+    max_examples=int(os.environ.get("FUZZ_EXAMPLES", "200")),
+    deadline=None,
+    suppress_health_check=_slow,
+)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
 

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-import subprocess
+import re
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from runpy import run_module
 
 import numpy as np
 import pytest
 
 import benchmarks
-from benchmarks import dem_trade, floor, ramps, relaxation, rounding, size, solvers
+from benchmarks import __main__ as bench
+from benchmarks import dem_trade, estimators, floor, ramps, relaxation, rounding, size, solvers
 from benchmarks.studies import prior as prior_study
 from benchmarks.studies import size as size_study
 from benchmarks.tiling import tiled
 from dem import refine, relax
+from paper_figs import __main__ as figures
 from scaling import force_equation, reconstruct, relative_error
 from tests.conftest import packing
 
@@ -94,15 +97,16 @@ def test_memory_of_arrays_does_not_depend_on_size():
 
 
 def test_exponents_come_with_their_errors():
-    """seconds ~ N^1.5 within 1 %: the slope is found to three standard errors, which are small."""
-    rng = np.random.default_rng(0)
+    """seconds ~ N^1.5, off by ± 1 % in a pattern that tilts no line: slope exact, and its bar that
+    of least squares, √(Σ residue²/2 / Σ (log N - mean)²)."""
     grains = np.array([100, 400, 1600, 6400])
     table = np.zeros(4, solvers.TABLE)
     table["solver"], table["grains"] = "factor", grains
-    table["seconds"] = grains**1.5 * (1 + 0.01 * rng.standard_normal(4))
+    table["seconds"] = grains**1.5 * np.exp(0.01 * np.array([1, -1, -1, 1]))
     slope, error, sizes = solvers.exponents(table, "seconds")["factor"]
     assert sizes == 4
-    assert abs(slope - 1.5) < 3 * error < 0.05
+    assert slope == pytest.approx(1.5, abs=1e-9)
+    assert error == pytest.approx(0.01 * np.sqrt(2 / 5) / np.log(4), rel=1e-6)
     assert not solvers.exponents(table, "MB")
 
 
@@ -113,11 +117,94 @@ def test_makefile_runs_the_studies_as_modules(name):
     assert f"$(RUN) -m benchmarks.{name}\n" in (root / "Makefile").read_text()
 
 
-def test_unknown_studies_are_refused():
-    run = [sys.executable, "-m", "benchmarks.estimators", "phrenology"]
+PROGRAMS = [
+    "benchmarks",
+    "benchmarks.estimators",
+    "benchmarks.million_grains",
+    "benchmarks.relaxation",
+    "benchmarks.step_cost",
+    "benchmarks.lammps_packing",
+    "benchmarks.lammps_step",
+    "paper_figs",
+]
+
+
+def test_every_program_is_listed():
+    """Whatever can be run with ``python -m`` stands above."""
     root = Path(benchmarks.__file__).parents[1]
-    done = subprocess.run(run, cwd=root, capture_output=True, text=True, check=False)
-    assert "phrenology: no such study; there are laws, " in done.stderr
+    found = set()
+    for folder in ("benchmarks", "paper_figs"):
+        for module in (root / folder).rglob("*.py"):
+            if '\nif __name__ == "__main__":' in module.read_text():
+                name = ".".join(module.relative_to(root).with_suffix("").parts)
+                found.add(name.removesuffix(".__main__"))
+    assert found == set(PROGRAMS)
+
+
+@pytest.fixture
+def said(monkeypatch, capsys):
+    """``python -m program words`` -> exit code, output and errors."""
+
+    def run(program: str, *words: str) -> tuple[object, str, str]:
+        monkeypatch.setattr(sys, "argv", [program, *words])
+        with pytest.raises(SystemExit) as end:
+            run_module(program, run_name="__main__", alter_sys=True)
+        return end.value.code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.mark.filterwarnings("ignore:.*found in sys.modules:RuntimeWarning")
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_help_is_given_at_once_and_other_words_are_refused(said, program):
+    code, output, _ = said(program, "--help")
+    assert code == 0
+    assert output.startswith(f"usage: python -m {program} ")
+    code, _, errors = said(program, "phrenology")
+    assert code == 2
+    assert f"python -m {program}: error: " in errors
+    assert "phrenology" in errors
+    assert "Traceback" not in errors
+
+
+@pytest.mark.filterwarnings("ignore:.*found in sys.modules:RuntimeWarning")
+@pytest.mark.parametrize(
+    ("program", "option", "names"),
+    [
+        ("benchmarks", ["--only"], bench.PARTS),
+        ("benchmarks.estimators", [], estimators.STUDIES),
+        ("paper_figs", ["--only"], figures.NAMES),
+    ],
+)
+def test_unknown_names_are_refused_with_those_there_are(said, program, option, names):
+    code, _, errors = said(program, *option, next(iter(names)), "phrenology")
+    assert code == 2
+    assert "phrenology: no such " in errors
+    assert f"there are {', '.join(names)}" in errors
+    shown = set(re.findall(r"\w+", said(program, "--help")[1]))
+    assert set(names) <= shown
+
+
+def test_quick_runs_leave_the_full_results_alone(monkeypatch, tmp_path, capsys):
+    """A quick run writes below build/, a full one where the committed tables are."""
+    assert bench.QUICK == bench.ROOT / "build" / "benchmarks"
+    assert bench.FULL == bench.ROOT / "benchmarks" / "results"
+    monkeypatch.setattr(bench, "QUICK", tmp_path / "quick")
+    monkeypatch.setattr(bench, "FULL", tmp_path / "full")
+    monkeypatch.setattr(bench.step_cost, "main", lambda: print("a table"))
+    bench.main(["--only", "step_cost"])
+    assert (tmp_path / "quick" / "step_cost.md").read_text() == "```\na table\n```\n"
+    assert not (tmp_path / "full").exists()
+    bench.main(["--full", "--only", "step_cost"])
+    assert (tmp_path / "full" / "step_cost.md").exists()
+    assert capsys.readouterr().out.count("a table") == 2
+
+
+def test_every_part_writes_through_the_folder_of_its_run():
+    """No other path to the committed results is left in the benchmarks."""
+    folder = Path(benchmarks.__file__).parent
+    for module in folder.rglob("*.py"):
+        assert ('"results"' in module.read_text()) == (module.name == "__main__.py"), module.name
 
 
 def test_the_growth_with_size_has_the_error_it_claims():

@@ -36,7 +36,7 @@ def _wrong_stiffness(p: Packing, method: str) -> tuple[float, ...]:
 
     def error(overlaps: np.ndarray, factor: float = 1.0, scaled: bool = False) -> float:
         found = forces_of_overlaps(n, overlaps, factor * κ, method)
-        return relative_error(to_pressure(n, found, p.pressure) if scaled else found, true)
+        return relative_error(to_pressure(n, found, p.pressure) if scaled else found, p)
 
     spread = δ / (1 + ERROR * np.random.default_rng(SEED).uniform(-1, 1, len(δ)) * np.sqrt(3))
     centre = p.cell.sum(axis=0) / 2
@@ -47,7 +47,8 @@ def _wrong_stiffness(p: Packing, method: str) -> tuple[float, ...]:
     with_loads = forces_of_overlaps(region, own, (1 + ERROR) * κ, method)
     loops = (with_loads - forces_of_overlaps(region, own, κ, method)) / ERROR
     return (
-        error(δ, 1 + ERROR), error(δ, 1 + ERROR, True), relative_error(with_loads, f),
+        error(δ, 1 + ERROR), error(δ, 1 + ERROR, True),
+        relative_error(with_loads, f, frictional=True),
         float(np.linalg.norm(loops) / np.linalg.norm(f)), error(spread),
         error(δ ** (2 / 3), 1, True),
     )  # fmt: skip
@@ -58,4 +59,4 @@ def _weighed(p: Packing, method: str) -> float:
     more = {"friction": p.friction, "pressure": p.pressure} if method == "bounded" else {}
     κ, xi = (1 + ERROR) * p.stiffness, 0.1 * p.delta
     found = reconstruct(net(p), κ, method, xi=xi, noise="position", **more)
-    return relative_error(found.forces, p.forces)
+    return relative_error(found, p)

@@ -12,13 +12,14 @@ Imported explicitly: `import scaling` does not load sympy.
 from scaling.symbolic.closed_forms import bowtie_gain, rhombus_gain, square_gain, triangle_gain
 from scaling.symbolic.common_mode import common_mode_steps
 from scaling.symbolic.derivation import derivation
-from scaling.symbolic.fourier import ring_squared_gain, wheel_squared_gain
+from scaling.symbolic.fourier import ring_squared_gain
 from scaling.symbolic.gain import loop_gaps, null_space, pseudo_inverse, rank, squared_gain
 from scaling.symbolic.network import SymbolicNetwork
 from scaling.symbolic.networks import bowtie, rhombus, ring, square, triangle, wheel
-from scaling.symbolic.perturbation import perturbation_steps
+from scaling.symbolic.noisy_triangle import perturbation_steps
 from scaling.symbolic.small_networks import table
 from scaling.symbolic.step import Step
+from scaling.symbolic.wheel_waves import wheel_squared_gain
 
 __all__ = [
     "Step",

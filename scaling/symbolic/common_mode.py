@@ -15,11 +15,13 @@ import sympy as sp
 from sympy import Expr, Matrix
 
 from scaling.symbolic import contact
+from scaling.symbolic.closure import closure_matrix
 from scaling.symbolic.contact import Delta, alpha
+from scaling.symbolic.equilibrium import balance_matrix
 from scaling.symbolic.field import ExactField
 from scaling.symbolic.gain import pseudo_inverse
 from scaling.symbolic.network import SymbolicNetwork
-from scaling.symbolic.networks import triangle
+from scaling.symbolic.networks import EAST, triangle
 from scaling.symbolic.step import Step
 
 epsilon = sp.Symbol("epsilon", real=True)
@@ -39,23 +41,39 @@ def face_response(network: SymbolicNetwork, forces: Matrix) -> Matrix:
     return plus[:, plus.cols - data.rows :] * data
 
 
-def chain_response(grains: int) -> Expr:
-    """δf̂ of a periodic row of equal grains, whose one loop winds: ε Λ/(n Δ) = ε⟨σ⟩/Δ.
+def chain(grains: int) -> tuple[Matrix, Matrix]:
+    """G = [M ; Q_w] of a periodic row of equal grains and what a common factor adds to its data.
 
-    G = [M ; Q_w] with M the balance along the row and Q_w = (1 ... 1); σ = 1, r = 1 - Δ f̂.
+    The last contact joins grain 0 to the image of the last grain at its left, and is walked
+    backwards.  σ = 1 and r = 1 - Δ f̂ with f̂ = 1 everywhere.
     """
     if grains < 2:
         raise ValueError(f"grains = {grains}: a periodic row needs at least two")
-    M = sp.Matrix(grains, grains, lambda i, e: (e == (i - 1) % grains) - (e == i))
-    Q = sp.ones(1, grains)
-    G = Matrix.vstack(M, Q)
-    length = grains * (1 - Delta)  # forces f̂ = 1 everywhere
-    exact = (Q * sp.ones(grains, 1))[0] - length
-    noisy = (Q * (1 + epsilon) * sp.ones(grains, 1))[0] - length
-    data = Matrix.vstack(sp.zeros(grains, 1), Matrix([[(noisy - exact) / Delta]]))
+    pairs = [*((i, i + 1) for i in range(grains - 1)), (0, grains - 1)]
+    normals = [EAST] * (grains - 1) + [(-EAST[0], EAST[1])]
+    around = [*((e, 1) for e in range(grains - 1)), (grains - 1, -1)]
+    M = balance_matrix(grains, pairs, normals, frictional=False)
+    Q = closure_matrix([around], normals)
+    length = Matrix([grains * (1 - Delta), 0])
+    exact = Q * sp.ones(grains, 1) - length
+    noisy = Q * (1 + epsilon) * sp.ones(grains, 1) - length
+    return Matrix.vstack(M, Q), Matrix.vstack(sp.zeros(M.rows, 1), (noisy - exact) / Delta)
+
+
+def chain_response(grains: int) -> Expr:
+    """δf̂ of that row, whose one loop winds: ε Λ/(n Δ) = ε⟨σ⟩/Δ on every contact."""
+    G, data = chain(grains)
     response = (G.T * G).LUsolve(G.T * data)
-    assert all(sp.simplify(x - response[0]) == 0 for x in response)  # the same on every contact
+    if any(sp.simplify(x - response[0]) != 0 for x in response):
+        raise ArithmeticError("a uniform row responds differently from contact to contact")
     return sp.simplify(response[0])
+
+
+def chain_defects(grains: int) -> tuple[Expr, ...]:
+    """Normal equations of the row at δf̂ = ε/Δ, and how many forces they leave open."""
+    G, data = chain(grains)
+    left = G.T * (G * (epsilon / Delta * sp.ones(grains, 1)) - data)
+    return (*(sp.expand(x) for x in left), sp.Integer(grains - G.rank()))
 
 
 def common_mode_steps() -> tuple[Step, ...]:
@@ -90,9 +108,7 @@ def common_mode_steps() -> tuple[Step, ...]:
             "Λ is known and does not share the factor",
             (
                 sp.expand(wound - epsilon * (shift / Delta + force)),
-                chain_response(2) - epsilon / Delta,
-                chain_response(3) - epsilon / Delta,
-                chain_response(5) - epsilon / Delta,
+                *(defect for grains in (2, 3, 5) for defect in chain_defects(grains)),
             ),
         ),
         Step(

@@ -6,6 +6,8 @@ f_n = p f̂, the law defines the small number
 
     Δ = (p/κ)^(1/α),        δ = Δ f̂^(1/α).
 
+The overlap of two grains is δ = σ - r with σ = R_i + R_j; a contact stores ∫ f_n dδ.
+
 Source: DeGiuli and McElwaine, Comment on PRL 116, 078001 (2016); for α = 3/2 see `hertz`.
 """
 
@@ -16,6 +18,21 @@ from sympy import Expr
 
 kappa, pressure, alpha = sp.symbols("kappa p alpha", positive=True)
 Delta = sp.Symbol("Delta", positive=True)
+
+
+def contact_diameter(first: Expr, second: Expr) -> Expr:
+    """σ = R_i + R_j: the distance of centres at which grains of these radii just touch."""
+    return first + second
+
+
+def compression(diameter: Expr, distance: Expr) -> Expr:
+    """δ = σ - r: what the centres are closer than touching; positive when pressed."""
+    return diameter - distance
+
+
+def energy(overlap: Expr, exponent: Expr = alpha) -> Expr:
+    """Energy κ δ^(α+1)/(α+1) stored in a contact, in units of κ⟨σ⟩²; its slope is f_n."""
+    return kappa * overlap ** (exponent + 1) / (exponent + 1)
 
 
 def force(overlap: Expr, exponent: Expr = alpha) -> Expr:

@@ -1,9 +1,11 @@
 """The Comment's argument, step by step, each step checked by sympy.
 
 Inputs: the contact law f_n = κ δ^α (`contact`), force and torque balance of a disk
-(`equilibrium`), closure of a loop (`closure`).  Outputs: Eq. 1, its rescaled form
-(`force_equation`), the two naive readings of it, why neither happens, and the propagation of
-size noise (`readings`); what Δ is (`scales`).
+(`equilibrium`), closure of a loop (`closure`).  They are held against statements that do not
+come from them: third law, moment, virtual work and frames (`statics`), the motions of grains and
+displaced centres (`kinematics`), the energy of a contact.  Outputs: Eq. 1, its rescaled form
+(`force_equation`), the two naive readings of it and why neither happens (`readings`), the
+propagation of size noise (`size_noise`); what Δ is (`scales`).
 
 Source: DeGiuli and McElwaine, Comment on Gendelman et al., PRL 116, 078001 (2016).
 """
@@ -12,9 +14,12 @@ from __future__ import annotations
 
 from functools import cache
 
-from scaling.symbolic.force_equation import GeneralTriangle, equation_steps, geometry_steps
-from scaling.symbolic.readings import error_steps, reading_steps
+from scaling.symbolic.force_equation import equation_steps, geometry_steps
+from scaling.symbolic.general_triangle import GeneralTriangle
+from scaling.symbolic.readings import reading_steps
 from scaling.symbolic.scales import scale_steps
+from scaling.symbolic.size_noise import error_steps
+from scaling.symbolic.statics import statics_steps
 from scaling.symbolic.step import Step
 
 
@@ -23,7 +28,8 @@ def derivation() -> tuple[Step, ...]:
     """All steps in logical order; `Step.holds` says whether sympy finds a step true."""
     loop = GeneralTriangle()
     return (
-        *geometry_steps(),
+        *geometry_steps(loop),
+        *statics_steps(loop),
         *equation_steps(loop),
         *reading_steps(loop),
         *error_steps(loop),

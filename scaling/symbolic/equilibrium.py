@@ -8,7 +8,8 @@
 
 A grain is at rest when its contact forces and its load F_ext cancel, M|f⟩ = -|F_ext⟩.
 Torque rows are divided by R_i, so every row is a force and M contains no sizes.
-M is not typed in: it is the Jacobian of the resultants below.
+M is not typed in: its columns are the resultants, below, of one unit force each.  That these
+signs and arms are right is for `statics` to say, which starts from the motions of grains.
 """
 
 from __future__ import annotations
@@ -33,6 +34,17 @@ def force_on_first(normal: Direction, f_n: Expr, f_t: Expr) -> Direction:
     return (-f_n * normal[0] + f_t * t[0], -f_n * normal[1] + f_t * t[1])
 
 
+def force_on_second(normal: Direction, f_n: Expr, f_t: Expr) -> Direction:
+    """Force on grain j of a contact (i, j): the opposite, by Newton's third law."""
+    x, y = force_on_first(normal, f_n, f_t)
+    return (-x, -y)
+
+
+def torques(f_t: Expr) -> Direction:
+    """Torque/R on grains i and j: f_t on both, arm and force change sign together."""
+    return (f_t, f_t)
+
+
 def resultants(
     grains: int,
     pairs: Pairs,
@@ -43,22 +55,30 @@ def resultants(
     """Force along x on each grain, then along y, then torque/R_i: 3N sums."""
     total = sp.zeros(3 * grains, 1)
     for (i, j), n, fn, ft in zip(pairs, normals, f_n, f_t, strict=True):
-        push = force_on_first(n, fn, ft)
+        first, second, spin = force_on_first(n, fn, ft), force_on_second(n, fn, ft), torques(ft)
         for axis in (0, 1):
-            total[axis * grains + i] += push[axis]
-            total[axis * grains + j] -= push[axis]
-        total[2 * grains + i] += ft  # torque R_i f_t, divided by R_i
-        total[2 * grains + j] += ft  # the same sign on both grains
+            total[axis * grains + i] += first[axis]
+            total[axis * grains + j] += second[axis]
+        total[2 * grains + i] += spin[0]
+        total[2 * grains + j] += spin[1]
     return total
 
 
 def balance_matrix(
     grains: int, pairs: Pairs, normals: Sequence[Direction], frictional: bool = True
 ) -> Matrix:
-    """M: (3N, 2c), or (2N, c) without friction, where f_t = 0 and no torque acts."""
-    f_n = sp.symbols(f"f_n:{len(pairs)}", real=True)
-    f_t = sp.symbols(f"f_t:{len(pairs)}", real=True)
-    if frictional:
-        return resultants(grains, pairs, normals, f_n, f_t).jacobian([*f_n, *f_t])
-    zero = [sp.S.Zero] * len(pairs)
-    return resultants(grains, pairs, normals, f_n, zero)[: 2 * grains, :].jacobian(f_n)
+    """M: (3N, 2c), or (2N, c) without friction, where f_t = 0 and no torque acts.
+
+    Resultants are linear in the forces: a column is what one unit force does, and it has
+    entries in the rows of its own two grains only.
+    """
+    c = len(pairs)
+    M = sp.zeros(3 * grains, 2 * c)
+    for e, ((i, j), n) in enumerate(zip(pairs, normals, strict=True)):
+        places = (i, j, grains + i, grains + j, 2 * grains + i, 2 * grains + j)
+        for column, f_n, f_t in ((e, sp.S.One, sp.S.Zero), (c + e, sp.S.Zero, sp.S.One)):
+            for place, value in zip(
+                places, resultants(2, [(0, 1)], [n], [f_n], [f_t]), strict=True
+            ):
+                M[place, column] += value
+    return M if frictional else M[: 2 * grains, :c]

@@ -30,26 +30,34 @@ class ExactField:
             ((symbol, value),) = network.fixed.items()
             self.domain = QQ.algebraic_field(value)
             generator = self.domain.from_sympy(self.domain.ext.as_expr())
-            self.convert = lambda expr: self._evaluated(expr, symbol, generator)
+            rational = QQ.frac_field(symbol)
+            self.convert = lambda expr: self._evaluated(rational.from_sympy(expr), generator)
         else:
             self.domain = QQ.frac_field(*free) if free else QQ
-            self.convert = lambda expr: self.domain.from_sympy(sp.cancel(expr))
+            self.convert = self.domain.from_sympy if free else self._number
 
-    def _evaluated(self, expr: Expr, symbol: sp.Symbol, generator: Any) -> Any:
+    def _number(self, expr: Expr) -> Any:
+        return self.domain.from_sympy(sp.cancel(expr))
+
+    def _evaluated(self, fraction: Any, generator: Any) -> Any:
         numerator, denominator = (
-            self._horner(sp.Poly(part, symbol), generator) for part in sp.fraction(sp.cancel(expr))
+            self._horner(part.to_dense(), generator) for part in (fraction.numer, fraction.denom)
         )
         return numerator / denominator
 
-    def _horner(self, polynomial: sp.Poly, point: Any) -> Any:
+    def _horner(self, coefficients: list[Any], point: Any) -> Any:
         total = self.domain.zero
-        for coefficient in polynomial.all_coeffs():
-            total = total * point + self.domain.convert(QQ.from_sympy(coefficient))
+        for coefficient in coefficients:
+            total = total * point + self.domain.convert(coefficient)
         return total
 
     def matrix(self, dense: Matrix) -> DomainMatrix:
-        """Return a sympy matrix over this field."""
-        rows = [[self.convert(dense[i, j]) for j in range(dense.cols)] for i in range(dense.rows)]
+        """Return a sympy matrix over this field; each distinct entry is translated once."""
+        known: dict[Expr, Any] = {}
+        for entry in dense:
+            if entry not in known:
+                known[entry] = self.convert(entry)
+        rows = [[known[dense[i, j]] for j in range(dense.cols)] for i in range(dense.rows)]
         return DomainMatrix(rows, dense.shape, self.domain)
 
     def expression(self, element: Any) -> Expr:

@@ -3,52 +3,42 @@
     G|f⟩ = (-|F_ext⟩ ; κ Q|σ⟩)        G|f̂⟩ = (-|F̂_ext⟩ ; Q|σ⟩/Δ)
 
 Sums run over loops of symbolic length; matrices over a triangle of any three grains, whose
-directions, forces and sizes are all symbols.
+directions, forces and sizes are all symbols, and whose loads are those of `general_triangle`.
 Source: Comment on PRL 116, 078001 (2016), Eq. 1.
 """
 
 from __future__ import annotations
 
 import sympy as sp
-from sympy import Expr, Matrix
+from sympy import Matrix
 
-from scaling.symbolic import closure, contact, equilibrium
+from scaling.symbolic import closure, contact
 from scaling.symbolic.contact import alpha, kappa, pressure
-from scaling.symbolic.networks import triangle
+from scaling.symbolic.general_triangle import GeneralTriangle
+from scaling.symbolic.networks import bowtie, rhombus
 from scaling.symbolic.step import Step
 
 
-class GeneralTriangle:
-    """A general triangle of three grains with forces on it: the arena of the matrix steps."""
-
-    def __init__(self) -> None:
-        self.network = triangle()
-        c = self.network.contacts
-        self.f_n = sp.Matrix(sp.symbols(f"f_n1:{c + 1}", positive=True))
-        self.f_t = sp.Matrix(sp.symbols(f"f_t1:{c + 1}", real=True))
-        self.f = Matrix.vstack(self.f_n, self.f_t)
-        self.loads = -equilibrium.resultants(
-            3, self.network.pairs, self.network.normals, list(self.f_n), list(self.f_t)
-        )
-        # r are distances that close the triangle; σ = r + δ are the sizes that go with them
-        self.r = self.network.sigma
-        self.G, self.Q, self.M = self.network.G(), self.network.Q, self.network.M()
-
-    def sigma(self, exponent: Expr) -> Matrix:
-        """Contact diameters that carry f_n across the distances r."""
-        return self.r + self.f_n.applyfunc(lambda f: contact.overlap(f, exponent))
-
-
-def geometry_steps() -> tuple[Step, ...]:
-    """Contact law and closure, for loops of any length."""
-    f = sp.Symbol("f", positive=True)
+def geometry_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
+    """Contact law and closure, for loops of any length and for displaced centres."""
+    f, delta = sp.symbols("f delta", positive=True)
+    walked = [
+        defect
+        for network in (loop.network, rhombus(), bowtie())
+        for defect in closure.displaced_defects(network.pairs, network.loops, network.normals)
+    ]
     return (
         Step(
             "contact law",
             "A compressed contact of force f_n overlaps by δ = (f_n/κ)^(1/α).",
-            r"f_n=\kappa\,\delta^{\alpha}\iff\delta=(f_n/\kappa)^{1/\alpha}",
-            "definition of the law, inverted",
-            (contact.force(contact.overlap(f)) - f,),
+            r"f_n=\kappa\,\delta^{\alpha}=\frac{d}{d\delta}\,\frac{\kappa\,\delta^{\alpha+1}}"
+            r"{\alpha+1}\iff\delta=(f_n/\kappa)^{1/\alpha}",
+            "the slope of the energy stored at overlap δ, inverted; linear for α = 1",
+            (
+                sp.powsimp(sp.diff(contact.energy(delta), delta)) - contact.force(delta),
+                contact.force(contact.overlap(f)) - f,
+                contact.overlap(f, sp.S.One) - f / kappa,
+            ),
         ),
         Step(
             "telescoping",
@@ -61,8 +51,8 @@ def geometry_steps() -> tuple[Step, ...]:
             "winding",
             "Around a periodic cell the walk ends at an image: the sum is a lattice vector Λ.",
             r"\sum_{k<n}r_kn_k=x_n-x_0=\Lambda",
-            "the same telescope with x_n = x_0 + Λ",
-            (closure.closed_walk(winding=True) - closure.Lambda,),
+            "the same telescope with x_n = x_0 + Λ; rows of Q around three grains and an image",
+            (closure.closed_walk(winding=True) - closure.Lambda, *closure.row_of_images()),
         ),
         Step(
             "closure in overlaps",
@@ -70,6 +60,13 @@ def geometry_steps() -> tuple[Step, ...]:
             r"Q|\sigma\rangle-\Lambda=Q|\delta\rangle",
             "r = σ - δ in the closure, for a loop of symbolic length",
             (closure.overlap_residual(),),
+        ),
+        Step(
+            "displaced centres",
+            "Q is what a loop opens by when contacts grow, and it closes wherever centres move.",
+            r"x_{\rm end}-x_{\rm start}=Q|\epsilon\rangle,\quad Q(x+u)|r(x+u)\rangle=0",
+            "centres placed one after another along the walk; displacements of any size",
+            tuple(walked),
         ),
     )
 
@@ -93,7 +90,8 @@ def equation_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
             "balance",
             "Forces and torques on every grain cancel its load: M|f⟩ = -|F_ext⟩.",
             r"M|f\rangle=-|F_{\rm ext}\rangle",
-            "Newton's third law at each contact; torques divided by R_i leave no size in M",
+            "loads are minus the forces and couples applied at the rims, by cross products in "
+            "space; torques divided by R_i leave no size in M",
             tuple(balance),
         ),
         Step(

@@ -1,4 +1,4 @@
-"""Regular rings and wheels of any size n: the gain as a Fourier sum over sectors.
+"""Regular rings of any size n: the gain as a Fourier sum over sectors.
 
 In frames that turn with the sector angle θ = 2π/n, GᵀG is block-circulant.  On a wave
 f_s = a e^{iqs}, q = 2πk/n, it acts as a small Hermitian matrix H(q), and
@@ -17,11 +17,11 @@ from functools import cache
 import sympy as sp
 from sympy import Expr, I, Matrix
 
-from scaling.symbolic.equilibrium import Direction, force_on_first
+from scaling.symbolic.equilibrium import Direction, force_on_first, force_on_second, torques
 
 n = sp.Symbol("n", integer=True, positive=True)
 theta, q = sp.symbols("theta q", real=True)
-a_n, a_t, b_n, b_t = sp.symbols("a_n a_t b_n b_t")
+a_n, a_t = sp.symbols("a_n a_t")
 
 
 def _at(angle: Expr) -> Direction:
@@ -37,8 +37,9 @@ def ring_rows() -> Matrix:
     """Balance of the grain between contacts s-1 and s on the wave, (3, 2) in (a_n, a_t)."""
     before = sp.exp(-I * q)
     own = force_on_first(_at(sp.S.Zero), a_n, a_t)
-    previous = force_on_first(_at(-theta), a_n * before, a_t * before)
-    rows = [own[0] - previous[0], own[1] - previous[1], a_t + a_t * before]
+    previous = force_on_second(_at(-theta), a_n * before, a_t * before)
+    spin = torques(a_t)[0] + torques(a_t * before)[1]
+    rows = [own[0] + previous[0], own[1] + previous[1], spin]
     return _jacobian(rows, [a_n, a_t])
 
 
@@ -70,57 +71,3 @@ def ring_squared_gain(frictional: bool = True, exponent: Expr = sp.S.One) -> Exp
     average_noise = (1 + sp.cos(theta)) / 2  # |A(q)|² = |(1 + e^{iq})/2|² at q = θ
     squared = 2 * average_noise * sum(sp.simplify(sp.expand_complex(x * x.conjugate())) for x in X)
     return sp.factor(sp.simplify(squared / (H.rows * n)))
-
-
-@cache
-def wheel_rows() -> tuple[Matrix, Matrix]:
-    """Rim-grain balance (3, 4) and face closure (2, 4) on a wave, unknowns spoke then rim.
-
-    Frame: along spoke s.  Rim contact s runs from rim grain s to s+1, at 90° + θ/2.
-    """
-    spoke, rim = _at(sp.S.Zero), _at(sp.pi / 2 + theta / 2)
-    before, after = sp.exp(-I * q), sp.exp(I * q)
-    inward = force_on_first(spoke, a_n, a_t)  # on the hub; the rim grain feels the opposite
-    own = force_on_first(rim, b_n, b_t)
-    previous = force_on_first(_at(sp.pi / 2 - theta / 2), b_n * before, b_t * before)
-    balance = [own[axis] - previous[axis] - inward[axis] for axis in (0, 1)]
-    balance.append(a_t + b_t + b_t * before)
-    turned = _at(theta)
-    closure = [a_n * spoke[x] + b_n * rim[x] - a_n * after * turned[x] for x in (0, 1)]
-    unknowns = [a_n, a_t, b_n, b_t]
-    return _jacobian(balance, unknowns), _jacobian(closure, unknowns)
-
-
-def wheel_term(size: int, mode: int, frictional: bool = True) -> Expr:
-    """‖H(q)⁻¹B(q)‖² of a wheel for q = 2π·mode/size, exact (diameter noise)."""
-    values = {theta: 2 * sp.pi / size, q: 2 * sp.pi * mode / size}
-    columns = [0, 1, 2, 3] if frictional else [0, 2]
-    balance, closure = (rows.subs(values)[:, columns] for rows in wheel_rows())
-    balance = balance if frictional else balance[:2, :]
-    rows = [balance, closure]
-    hub = sp.sqrt(sp.Rational(size, 2))
-    if mode % size == 1:  # hub force, which only the waves q = ±θ reach
-        rows.append(hub * Matrix([[-1, -I, 0, 0]])[:, columns])
-    if mode % size == size - 1:
-        rows.append(hub * Matrix([[-1, I, 0, 0]])[:, columns])
-    if mode % size == 0 and frictional:  # hub torque
-        rows.append(sp.sqrt(size) * Matrix([[0, 1, 0, 0]]))
-    G = Matrix.vstack(*rows)
-    average = (1 + sp.exp(I * values[q])) / 2
-    noise = [[sp.Rational(1, 2), 0], [0, 0], [average, 0], [0, 0]]  # own rim grain, hub
-    if mode % size == 0:
-        noise[0][1] = sp.sqrt(size) / 2
-    data = Matrix([noise[column] for column in columns])
-    X = (G.H * G).LUsolve(closure.H * closure * data)
-    return sum((x * sp.conjugate(x) for x in X), sp.S.Zero)
-
-
-def wheel_squared_gain(size: int, frictional: bool = True, digits: int = 40) -> Expr:
-    """K² of the regular wheel by its Fourier sum, to the given number of digits.
-
-    Errors: a few units in the last digit; the exact number is `gain.squared_gain(wheel(n))`.
-    """
-    if size < 3:
-        raise ValueError(f"size = {size}: a wheel needs at least three rim grains")
-    total = sum(sp.re(wheel_term(size, mode, frictional).evalf(digits)) for mode in range(size))
-    return total / (size * (4 if frictional else 2))

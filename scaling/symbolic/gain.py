@@ -12,10 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import sympy as sp
 from sympy import Expr, Matrix
 from sympy.polys.matrices import DomainMatrix
+from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from scaling.symbolic.closure import loop_vector
 from scaling.symbolic.field import ExactField
@@ -86,8 +88,19 @@ def squared_gain(
 ) -> Expr:
     """K², exact: a rational function of the parameters, or an algebraic number."""
     X, exact = response(network, frictional, noise)
-    total = sum((x * x for row in X.to_list() for x in row), exact.domain.zero)
+    total = _sum_of_squares([x for row in X.to_list() for x in row], exact.domain)
     return sp.factor(exact.expression(total / exact.domain(X.shape[0])))
+
+
+def _sum_of_squares(elements: list[Any], domain: Any) -> Any:
+    """Σ x²; fractions of one denominator, as a common determinant makes them, are added first."""
+    if not domain.is_FractionField:
+        return sum((x * x for x in elements), domain.zero)
+    numerators: dict[Any, Any] = {}
+    for x in elements:
+        numerators[x.denom] = numerators.get(x.denom, 0) + x.numer**2
+    fractions = (domain.field.new(top, bottom**2) for bottom, top in numerators.items())
+    return sum(fractions, domain.zero)
 
 
 def _named(network: SymbolicNetwork, matrix: str, frictional: bool) -> Matrix:
@@ -99,10 +112,11 @@ def _named(network: SymbolicNetwork, matrix: str, frictional: bool) -> Matrix:
 
 
 def _solved(network: SymbolicNetwork, H: DomainMatrix, right: DomainMatrix) -> DomainMatrix:
-    found = H.to_dense().rank()
-    if found < H.shape[0]:
+    try:
+        return H.to_dense().lu_solve(right.to_dense())
+    except DMNonInvertibleMatrixError:
+        found = H.to_dense().rank()
         raise ValueError(
             f"{network.name}: G has rank {found} of {H.shape[0]}, null space of dimension "
             f"{H.shape[0] - found}: some forces change neither a balance nor a loop"
-        )
-    return H.to_dense().lu_solve(right.to_dense())
+        ) from None

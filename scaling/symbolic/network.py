@@ -15,8 +15,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import sympy as sp
-from sympy import Expr, Matrix, Symbol
+from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 
+from scaling.symbolic import contact
 from scaling.symbolic.closure import Loop, closure_matrix
 from scaling.symbolic.equilibrium import Direction, balance_matrix
 
@@ -55,12 +56,12 @@ class SymbolicNetwork:
     fixed: Mapping[Symbol, Expr] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for contact, (i, j) in enumerate(self.pairs):
+        for e, (i, j) in enumerate(self.pairs):
             if not 0 <= i < j < len(self.radii):
-                raise ValueError(f"contact {contact} = ({i}, {j}): need 0 <= i < j < N")
-            nx, ny = self.normals[contact]
+                raise ValueError(f"contact {e} = ({i}, {j}): need 0 <= i < j < N")
+            nx, ny = self.normals[e]
             if sp.cancel(nx**2 + ny**2 - 1) != 0:
-                raise ValueError(f"contact {contact}: normal ({nx}, {ny}) is not a unit vector")
+                raise ValueError(f"contact {e}: normal ({nx}, {ny}) is not a unit vector")
 
     @property
     def grains(self) -> int:
@@ -73,25 +74,30 @@ class SymbolicNetwork:
         return len(self.pairs)
 
     @cached_property
-    def sigma(self) -> Matrix:
+    def sigma(self) -> ImmutableMatrix:
         """Contact diameters R_i + R_j, (c, 1)."""
-        return Matrix([self.radii[i] + self.radii[j] for i, j in self.pairs])
-
-    def M(self, frictional: bool = True) -> Matrix:
-        """Balance matrix, (3N, 2c) or (2N, c)."""
-        return balance_matrix(self.grains, self.pairs, self.normals, frictional)
+        return ImmutableMatrix(
+            [contact.contact_diameter(self.radii[i], self.radii[j]) for i, j in self.pairs]
+        )
 
     @cached_property
-    def Q(self) -> Matrix:
-        """Closure matrix on normal forces, (2·faces, c)."""
-        return closure_matrix(self.loops, self.normals)
+    def _balance(self) -> ImmutableMatrix:
+        return ImmutableMatrix(balance_matrix(self.grains, self.pairs, self.normals))
 
-    def G(self, frictional: bool = True) -> Matrix:
+    def M(self, frictional: bool = True) -> ImmutableMatrix:
+        """Balance matrix, (3N, 2c) or (2N, c)."""
+        return self._balance if frictional else self._balance[: 2 * self.grains, : self.contacts]
+
+    @cached_property
+    def Q(self) -> ImmutableMatrix:
+        """Closure matrix on normal forces, (2·faces, c)."""
+        return ImmutableMatrix(closure_matrix(self.loops, self.normals))
+
+    def G(self, frictional: bool = True) -> ImmutableMatrix:
         """Return Eq. 1's matrix: M above (Q, 0)."""
-        columns = 2 * self.contacts if frictional else self.contacts
-        padded = sp.zeros(self.Q.rows, columns)
-        padded[:, : self.contacts] = self.Q
-        return Matrix.vstack(self.M(frictional), padded)
+        columns = self.contacts if frictional else 0
+        padded = Matrix.hstack(self.Q, sp.zeros(self.Q.rows, columns))
+        return ImmutableMatrix(Matrix.vstack(self.M(frictional), padded))
 
     def at(self, values: Mapping[Symbol, Expr] | None = None) -> SymbolicNetwork:
         """Return the same network with its free parameters replaced (default: the sample)."""

@@ -15,7 +15,8 @@ G' = G + A + ... and ρ' = ρ₁ + ρ₂ + ... in the noise,
 Size noise alone leaves directions, hence G, as they are: A = ρ₂ = 0, f₂ = 0, and first order is
 exact.  E[f₁] = 0, so the bias is E[f₂] ~ ξ²/Δ (per unit p).
 
-The formulas use only @, + and .T: they act alike on sympy matrices and on NumPy arrays.
+The formulas use only @, + and .T: they act alike on sympy matrices and on NumPy arrays.  That they
+hold is checked in `noisy_triangle`, on matrices and on a triangle that is displaced.
 """
 
 from __future__ import annotations
@@ -24,8 +25,6 @@ from typing import Any
 
 import sympy as sp
 from sympy import Expr
-
-from scaling.symbolic.step import Step
 
 distance = sp.Symbol("r", positive=True)
 along, across = sp.symbols("u_n u_t", real=True)
@@ -74,61 +73,3 @@ def closure_residuals(
     """κ Q'(δσ - δr) at first and second order; `dQ` is the first order of Q'."""
     mismatch = size_noise - dr[0]
     return (stiffness * (Q @ mismatch), stiffness * (dQ @ mismatch - Q @ dr[1]))
-
-
-def perturbation_steps() -> tuple[Step, ...]:
-    """Return the expansion as machine-checked steps, with non-commuting matrices."""
-    G, Gt, A, At, B, Bt, H, inverse = sp.symbols("G Gᵀ A Aᵀ B Bᵀ H H⁻¹", commutative=False)
-    rho_1, rho_2, f, dt = sp.symbols("ρ₁ ρ₂ f δt", commutative=False)
-    first = inverse * Gt * rho_1
-    second = inverse * (Gt * (rho_2 - A * first) + At * (rho_1 - G * first))
-    transposed = Gt + epsilon * At + epsilon**2 * Bt
-    noisy = G + epsilon * A + epsilon**2 * B
-    guess = epsilon * first + epsilon**2 * second
-    normal = sp.expand(transposed * (noisy * guess - epsilon * rho_1 - epsilon**2 * rho_2))
-
-    def order(k: int) -> Expr:
-        return sp.expand(sp.expand(normal.coeff(epsilon, k)).subs(Gt * G, H)).subs(H * inverse, 1)
-
-    sizes = {A: 0, At: 0, B: 0, Bt: 0, rho_2: 0}
-    Qn, Qr, r, dr, dsigma, delta_ = sp.symbols("Q' Λ r δr δσ δ", commutative=False)
-    k = sp.Symbol("kappa", positive=True)
-    noisy_right = k * (Qn * (r + delta_ + dsigma) - Qr)
-    closing = noisy_right - Qn * (k * delta_) - k * Qn * (dsigma - dr)
-    return (
-        Step(
-            "exact error",
-            "The noisy solution misses the truth by G'⁺ applied to the truth's residual.",
-            r"f'-f=G'^{+}(t'-G'f)=G'^{+}(\delta t-\delta G\,f)",
-            "t' = Gf + δt and G' = G + δG; G'⁺G' = 1",
-            (sp.expand((G * f + dt) - (G + A) * f - (dt - A * f)),),
-        ),
-        Step(
-            "closure residual",
-            "In the loop rows size and position noise enter together, as Q'(δσ - δr).",
-            r"\kappa(Q'\sigma'-\Lambda)-Q'f_n=\kappa Q'(\delta\sigma-\delta r)",
-            "σ' = r + δ + δσ, f_n = κδ, and Q'(r + δr) = Λ because noisy centres close too",
-            (sp.expand(closing.subs(Qr, Qn * (r + dr))),),
-        ),
-        Step(
-            "first order",
-            "f₁ = G⁺ρ₁ satisfies the normal equations to order ε.",
-            r"f_1=G^+\rho_1",
-            "coefficient of ε in G'ᵀ(G'(f' - f) - ρ')",
-            (sp.expand(order(1)),),
-        ),
-        Step(
-            "second order",
-            "The quadratic correction satisfies them to order ε².",
-            r"f_2=(G^TG)^{-1}[G^T(\rho_2-Af_1)+A^T(\rho_1-Gf_1)]",
-            "coefficient of ε²; the second order of G' itself enters through ρ₂ only",
-            (sp.expand(order(2)),),
-        ),
-        Step(
-            "size noise is exact",
-            "Size noise leaves directions alone: the correction vanishes, first order is exact.",
-            r"\delta G=0\Rightarrow f_2=0",
-            "A = ρ₂ = 0",
-            (sp.expand(second.subs(sizes)),),
-        ),
-    )

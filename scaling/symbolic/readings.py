@@ -1,9 +1,16 @@
-"""What the rescaled equation seems to say, what it says, and how it propagates errors.
+"""What the rescaled equation seems to say, and what it says.
 
     G|f̂⟩ = (-|F̂_ext⟩ ; Q|σ⟩/Δ)
 
 G does not depend on Δ.  Read naively, either |f̂⟩ ~ 1/Δ, or G⁺ has an anomalously small
 projection on Q|σ⟩.  Neither happens: Q|σ⟩ is itself O(Δ), because distances close.
+
+G⁺ cannot annihilate a Q|σ⟩ that is not zero: Gᵀ(0; Q|σ⟩) = QᵀQ|σ⟩, whose product with |σ⟩ is
+the square of Q|σ⟩.  That is not to say that Qᵀ|s⟩ = 0 for s = 0 only: on a torus the same s on
+all faces is another solution, and dense networks have more.  Turned by 90° they are the loop
+potentials (Maxwell's reciprocal diagram) of normal forces that need no load; c - 2N + 1 in all in
+a periodic packing with c > 2N + 1.  They are orthogonal to the range of Q, so no sizes make them.
+
 Source: Comment on PRL 116, 078001 (2016).
 """
 
@@ -12,74 +19,97 @@ from __future__ import annotations
 import sympy as sp
 from sympy import Expr, Matrix
 from sympy.polys.matrices import DomainMatrix
+from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
-from scaling.symbolic import contact
-from scaling.symbolic.contact import Delta, alpha, kappa, pressure
-from scaling.symbolic.field import ExactField
-from scaling.symbolic.force_equation import GeneralTriangle
-from scaling.symbolic.networks import rhombus
+from scaling.symbolic.contact import Delta, kappa, pressure
+from scaling.symbolic.general_triangle import GeneralTriangle, PressedTriangle
+from scaling.symbolic.kinematics import branch, dot
+from scaling.symbolic.networks import u, v
 from scaling.symbolic.step import Step
 
 
-def unknown_inverse(loop: GeneralTriangle) -> Matrix:
-    """A matrix of symbols in place of G⁺: all that is used is that it contains no σ and no Δ."""
-    rows, columns = loop.G.cols, loop.G.rows
-    return Matrix(rows, columns, lambda i, j: sp.Symbol(f"g_{i}_{j}", real=True))
+def touching_limit(matrix: Matrix) -> Matrix:
+    """Entry-wise limit Δ → 0 of a matrix rational in Δ: in lowest terms, the value at 0."""
+    known = {x: sp.cancel(x).subs(Delta, 0) for x in set(matrix)}
+    return matrix.applyfunc(lambda x: known[x])
 
 
-def _identity_defect(exact: ExactField, G: DomainMatrix) -> tuple[Expr, ...]:
-    """G⁺G - 1, exact and for all angles of the triangle at once."""
-    inverse = (G.transpose() * G).lu_solve(G.transpose())
-    product = (inverse * G).to_list()
-    return tuple(
-        exact.expression(x - exact.domain.one if i == j else x)
-        for i, row in enumerate(product)
-        for j, x in enumerate(row)
+def loop_response(G: Matrix, rows: int) -> Matrix:
+    """G⁺(0 ; 1) on the last `rows` rows, exact, for a G rational in Δ.
+
+    Without full rank there is none: an unknown of its own, equal to nothing else.
+    """
+    exact = DomainMatrix.from_Matrix(G.applyfunc(sp.cancel)).to_field()
+    transpose = exact.transpose().to_dense()
+    loops = transpose.extract(range(G.cols), range(G.rows - rows, G.rows))
+    try:
+        return (transpose * exact.to_dense()).lu_solve(loops).to_Matrix()
+    except DMNonInvertibleMatrixError:
+        return sp.Dummy("undetermined") * sp.ones(G.cols, rows)
+
+
+def kernel_defects(loop: GeneralTriangle) -> tuple[Expr, ...]:
+    """Gᵀ(0; s) - (Qᵀs; 0) for any s, and ⟨σ|QᵀQ|σ⟩ minus the square of Q|σ⟩ for any sizes."""
+    sizes = Matrix(sp.symbols(f"sigma_1:{loop.Q.cols + 1}", real=True))
+    any_sums = Matrix(sp.symbols(f"s_1:{loop.Q.rows + 1}", real=True))
+    reached = loop.G.T * Matrix.vstack(sp.zeros(loop.M.rows, 1), any_sums)
+    below = Matrix.vstack(loop.Q.T * any_sums, sp.zeros(loop.G.cols - loop.Q.cols, 1))
+    s = loop.Q * sizes
+    return (
+        *(reached - below),
+        sizes.dot(loop.Q.T * s) - s.dot(s),
     )
+
+
+def closing_defects(loop: GeneralTriangle) -> tuple[Expr, ...]:
+    """Q|r⟩, Q|σ⟩ - ΔQ|f̂_n⟩ and whether the branches are n r with r = σ when just touching."""
+    hat = loop.f_n / pressure
+    by_pressure = {kappa: pressure / Delta}
+    sizes = loop.Q * loop.sigma(sp.S.One).subs(by_pressure) - Delta * loop.Q * hat
+    defects = [*(loop.Q * loop.r), *sizes, *(loop.r - loop.network.sigma)]
+    for (i, j), (n_x, n_y) in zip(loop.network.pairs, loop.network.normals, strict=True):
+        defects.append(dot((-n_y, n_x), branch(loop.centres[i], loop.centres[j])))
+    return tuple(defects)
 
 
 def reading_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
     """The two naive readings of the rescaled equation, and the fate of both."""
-    exact = ExactField(loop.network)
-    inverse = unknown_inverse(loop)
-    s = Matrix(sp.symbols("s_x s_y", real=True))
-    loads = Matrix(sp.symbols(f"F1:{loop.M.rows + 1}", real=True))
-    forces = inverse * Matrix.vstack(-loads, s / Delta)
-    alone = inverse * Matrix.vstack(0 * loads, s)
-    first = [
-        sp.limit(sp.expand(Delta * f), Delta, 0) - sp.expand(x)
-        for f, x in zip(forces, alone, strict=True)
-    ]
-    QQ_T = exact.matrix(loop.Q * loop.Q.T)
-    determinant = exact.expression(QQ_T.charpoly()[-1])
-    angles = loop.network.normals
-    cross = [
-        angles[a][0] * angles[b][1] - angles[a][1] * angles[b][0]
-        for a, b in ((0, 1), (0, 2), (1, 2))
-    ]
-    gap = loop.Q * loop.r
-    parameters = [kappa, pressure, Delta]
+    pressed = PressedTriangle()
+    limit = touching_limit(pressed.G)
+    # one shape and one way of pressing it: G⁺ is then rational in Δ alone
+    shape = {u: sp.Rational(1, 2), v: sp.Rational(1, 3), pressed.a: 1, pressed.b: 0, pressed.c: 1}
+    response = loop_response(pressed.G.subs(shape), loop.Q.rows) / Delta
+    alone = loop_response(loop.G.subs(shape), loop.Q.rows)
     return (
         Step(
             "G knows no contact scale",
-            "G contains directions only: no stiffness, no pressure, no Δ.",
-            r"\partial G/\partial\kappa=\partial G/\partial p=\partial G/\partial\Delta=0",
+            "Built at any small overlap G tends to that of touching grains, which contains "
+            "directions only: no stiffness, no pressure, no Δ.",
+            r"\lim_{\Delta\to0}G(\Delta)=G(0),\quad\partial G(0)/\partial\kappa"
+            r"=\partial G(0)/\partial p=\partial G(0)/\partial\Delta=0",
+            "three grains of fixed sizes pressed by O(Δ), centres and directions moving with Δ; "
             "M and Q are Jacobians with respect to forces and lengths",
-            tuple(sp.diff(x, y) for x in loop.G for y in parameters),
+            (
+                *(limit - loop.G),
+                *touching_limit(pressed.overlaps),
+                *(sp.diff(x, y) for x in loop.G for y in (kappa, pressure, Delta)),
+            ),
         ),
         Step(
             "naive reading 1",
             "Were Q|σ⟩ of order one, |s⟩, the forces would be p/Δ = κ: grains squashed flat.",
             r"\lim_{\Delta\to0}\Delta\,G^+(0;s/\Delta)=G^+(0;s)",
-            "G⁺ does not depend on Δ, so 1/Δ goes straight through",
-            tuple(first),
+            "G⁺ has a limit too, so 1/Δ goes straight through (a pressed triangle, exact in Δ)",
+            tuple(touching_limit(Delta * response) - alone),
         ),
         Step(
             "naive reading 2",
-            "Nor can G⁺ annihilate such a Q|σ⟩: Gᵀ(0;s) = Qᵀs vanishes for s = 0 only.",
-            r"\det QQ^T=\sum_{a<b}(n_a\times n_b)^2>0",
-            "Cauchy-Binet: positive unless all contacts of the loop are parallel, whatever Δ",
-            (sp.cancel(determinant - sum(x**2 for x in cross)),),
+            "Nor can G⁺ annihilate such a Q|σ⟩: QᵀQ|σ⟩ = 0 only if Q|σ⟩ = 0.",
+            r"G^T(0;Q|\sigma\rangle)=(Q^TQ|\sigma\rangle;0),\quad"
+            r"\langle\sigma|Q^TQ|\sigma\rangle=\big|Q|\sigma\rangle\big|^2",
+            "G⁺ = (GᵀG)⁻¹Gᵀ vanishes where Gᵀ does; a sum of squares is zero only term by term. "
+            "(Qᵀ|s⟩ = 0 has other solutions in dense networks, but they are no Q|σ⟩)",
+            kernel_defects(loop),
         ),
         Step(
             "fate of both",
@@ -87,53 +117,6 @@ def reading_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
             r"Q|r\rangle=0\Rightarrow Q|\sigma\rangle=\Delta\,Q|\hat f_n\rangle,"
             r"\quad |\hat f\rangle=O(1)",
             "O(1) terms cancel in Q|r⟩ and leave the overlaps; divided by Δ that is O(1)",
-            tuple(sp.cancel(x) for x in gap),
-        ),
-    )
-
-
-def error_steps(loop: GeneralTriangle) -> tuple[Step, ...]:
-    """Propagation of size noise, the direct method and the transverse forces."""
-    noise = Matrix(sp.symbols("dsigma1:4", real=True))
-    inverse = unknown_inverse(loop)
-    exact = ExactField(loop.network)
-    G = exact.matrix(loop.G)
-    identity = _identity_defect(exact, G)
-    load = Matrix.vstack(-loop.loads / pressure, loop.Q * loop.sigma(sp.S.One) / Delta)
-    noisy = Matrix.vstack(-loop.loads / pressure, loop.Q * (loop.sigma(sp.S.One) + noise) / Delta)
-    response = inverse * Matrix.vstack(sp.zeros(loop.M.rows, 1), loop.Q * noise) / Delta
-    xi, f = sp.symbols("xi f", positive=True)
-    direct = sp.diff((f ** (1 / alpha) + xi / Delta) ** alpha, xi).subs(xi, 0)
-    frame = rhombus()
-    M_t = ExactField(frame).matrix(frame.M()[:, frame.contacts :])
-    return (
-        Step(
-            "least squares recovers exact data",
-            "G⁺G = 1: with exact sizes Eq. 1 returns the forces.",
-            r"G^+G=1",
-            "full column rank of G",
-            identity,
-        ),
-        Step(
-            "size noise",
-            "Noise on the sizes is amplified by 1/Δ; the response is linear without remainder.",
-            r"\delta|\hat f\rangle=G^+(0;Q|\delta\sigma\rangle)/\Delta",
-            "size noise leaves G alone and enters the right-hand side linearly",
-            tuple((inverse * (noisy - load) - response).applyfunc(sp.expand)),
-        ),
-        Step(
-            "direct method",
-            "With that precision the overlaps give the normal forces by themselves.",
-            r"f_n=\kappa(\sigma-r)^\alpha,"
-            r"\quad \delta\hat f=\alpha\hat f^{\,1-1/\alpha}\,\delta\sigma/\Delta",
-            "the contact law, differentiated: the same 1/Δ, without Eq. 1",
-            (direct - contact.direct_amplification(f) / Delta,),
-        ),
-        Step(
-            "transverse forces",
-            "Given the normal forces, balance alone gives the transverse ones (claim i).",
-            r"\operatorname{rank} M_t=c",
-            "the tangential columns of M are independent (hyperstatic rhombus of four grains)",
-            (sp.Integer(M_t.rank() - frame.contacts),),
+            closing_defects(loop),
         ),
     )

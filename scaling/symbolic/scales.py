@@ -12,9 +12,9 @@ from scaling.symbolic.step import Step
 def scale_steps() -> tuple[Step, ...]:
     """Δ as the only dimensionless group, its Hertzian form and the sandpile."""
     plane = [dimensions.pressure, kappa, dimensions.sigma, dimensions.rho]
-    (only,) = dimensions.groups(plane, dimensions.PLANE)
+    groups = dimensions.groups(plane, dimensions.PLANE)
     spheres = [dimensions.pressure, hertz.young, dimensions.sigma, dimensions.rho]
-    (hertzian,) = dimensions.groups(spheres, dimensions.SPHERES)
+    hertzian = dimensions.groups(spheres, dimensions.SPHERES)
     E, nu, p = hertz.young, hertz.nu, pressure
     return (
         Step(
@@ -22,7 +22,10 @@ def scale_steps() -> tuple[Step, ...]:
             "p/κ = Δ^α is the only dimensionless group of p, κ, ⟨σ⟩ and the density.",
             r"D x=0\Rightarrow \Pi=p/\kappa=\Delta^{\alpha}",
             "one-dimensional null space of the dimension matrix",
-            (sp.log(only * contact.deformation_scale() ** alpha).expand(force=True),),
+            (
+                sp.Integer(len(groups) - 1),
+                sp.log(sp.Mul(*groups) * contact.deformation_scale() ** alpha).expand(force=True),
+            ),
         ),
         Step(
             "Hertz",
@@ -32,7 +35,8 @@ def scale_steps() -> tuple[Step, ...]:
             (
                 hertz.deformation_scale(p) / (p / E) ** sp.Rational(2, 3)
                 - (3 * (1 - nu**2)) ** sp.Rational(2, 3),
-                sp.log(hertzian * p / E).expand(force=True),
+                sp.Integer(len(hertzian) - 1),
+                sp.log(sp.Mul(*hertzian) * p / E).expand(force=True),
             ),
         ),
         Step(

@@ -9,6 +9,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
+from scaling import checks
 from scaling.symbolic.bridge import contact_network
 from scaling.symbolic.network import SymbolicNetwork
 
@@ -39,10 +40,8 @@ def draw(
     c = numeric.contacts
     strength = np.zeros(2 * c)
     if forces is not None:
-        given = np.asarray(forces, dtype=float).ravel()
-        if given.size not in (c, 2 * c):
-            raise ValueError(f"{given.size} forces for {c} contacts")
-        strength[: given.size] = given / np.abs(given).max()
+        given, _ = checks.forces(forces, c)
+        strength[: given.size] = given / (np.abs(given).max() or 1.0)
     for e, (i, j) in enumerate(numeric.pairs):
         f_n, f_t = strength[e], strength[c + e]
         colour = "0.6" if forces is None else ("C3" if f_n >= 0 else "C0")

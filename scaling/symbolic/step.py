@@ -6,6 +6,27 @@ from dataclasses import dataclass
 
 import sympy as sp
 from sympy import Expr
+from sympy.core.function import AppliedUndef
+
+#: thirty digits are evaluated: what is larger is not zero
+TINY = sp.Float("1e-15")
+
+
+def vanishes(difference: Expr) -> bool:
+    """Whether sympy finds an expression to be zero for all values of its symbols.
+
+    One value that is not zero settles the matter without simplifying, which may take minutes.
+    """
+    difference = sp.sympify(difference)
+    if difference.is_Number:
+        return bool(difference == 0)
+    if not difference.atoms(AppliedUndef):
+        names = sorted(difference.free_symbols, key=str)
+        at = {name: sp.Rational(sp.prime(k + 5), sp.prime(k + 9)) for k, name in enumerate(names)}
+        value = difference.subs(at).evalf(30)
+        if value.has(sp.nan, sp.zoo, sp.oo) or (value.is_comparable and abs(value) > TINY):
+            return False
+    return bool(sp.cancel(difference) == 0 or sp.simplify(difference) == 0)
 
 
 @dataclass(frozen=True)
@@ -29,7 +50,7 @@ class Step:
     @property
     def holds(self) -> bool:
         """Whether every difference simplifies to zero; a step with none does not hold."""
-        return bool(self.check) and all(sp.simplify(difference) == 0 for difference in self.check)
+        return bool(self.check) and all(vanishes(difference) for difference in self.check)
 
     def _repr_markdown_(self) -> str:
         verdict = "holds" if self.holds else "**DOES NOT HOLD**"

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dem import ContactLaw, Drive, History, State, step
+from dem.law import stable_time_step
 from dem.neighbours import find_neighbours
 from tests.dem.gases import dense_gas, pressed
 
@@ -189,3 +190,10 @@ def test_law_changed_between_steps_is_the_law_used(backend):
     for s in (one, two):
         step(s, hard, 0.01, backend=backend)
     assert one.velocities == pytest.approx(two.velocities, rel=8 * EPS)
+
+
+@pytest.mark.parametrize(("ratio", "stiffest"), [(0.1, 2.0), (0.5, 2.0), (2.0, 8.0)])
+def test_stable_step_is_that_of_the_stiffer_spring(ratio, stiffest):
+    """√(m/2k) of two grains of mass m = 3, k the larger of κ = 2 and 2 k_t."""
+    law = ContactLaw(stiffness=2.0, stiffness_ratio=ratio)
+    assert stable_time_step(law, 3.0, 0.1) == pytest.approx(0.1 * np.sqrt(1.5 / stiffest))

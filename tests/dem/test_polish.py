@@ -75,30 +75,45 @@ def test_cell_in_motion_is_not_rest():
     assert _speed(state) == 0.5
 
 
-def early_polishes(seeds: range) -> int:
-    """How many packings at ⟨v⟩ < 1e-3, long before rest, Newton brings to balance."""
-    delta, succeeded = 1e-3, 0
-    drive = Drive(drag=delta**0.5, pressure=delta)
-    for seed in seeds:
-        state, law = loose_state(Scene(64, delta), np.random.default_rng(seed)), ContactLaw()
-        while True:
-            step(state, law, 0.088, drive=drive, steps=100, skin=0.2)
-            virial = state._forces.virial / (2 * np.prod(np.diag(state.cell)) * delta)
-            if abs(virial - 1) < 0.01 and _speed(state) < 1e-3 * delta**0.5:
-                break
-        try:
-            polish(state, state._near, law, delta)
-            succeeded += 1
-        except PolishFailed:
-            pass
-    return succeeded
+def with_a_roller(p, slip: float) -> State:
+    """The packing and one tiny grain, 0.01 Δ deep in the notch of its first contact; both contacts
+    of the grain slide the same way round, so that nothing holds it against turning."""
+    law, radius, overlap = ContactLaw(friction=p.friction), 0.02, 0.01 * p.delta
+    (i, j), image = p.pairs[0], p.images[0]
+    branch = p.positions[j] + image @ p.cell - p.positions[i]
+    r = np.hypot(*branch)
+    a, b = p.radii[[i, j]] + radius - overlap
+    along = (r**2 + a**2 - b**2) / (2 * r)
+    n = branch / r
+    place = p.positions[i] + along * n + np.sqrt(a**2 - along**2) * np.array([-n[1], n[0]])
+    new, spring = len(p.radii), slip * law.friction * law.stiffness * overlap / law.tangential
+    history = History(
+        np.vstack([p.pairs, [i, new], [j, new]]),
+        np.vstack([p.images, [0, 0], -image]),
+        np.concatenate([p.tangential_forces / law.tangential, [spring, spring]]),
+    )
+    return State(
+        np.vstack([p.positions, place]), np.append(p.radii, radius), cell=p.cell, history=history
+    )
 
 
-def test_shift_lets_newton_start_further_from_rest(monkeypatch):
-    """Groups of grains that nothing holds stop a bare Newton; the shift moves them by ~ Δ."""
-    with_shift = early_polishes(range(10))
+@pytest.mark.parametrize("delta", [1e-2, 1e-3])
+@pytest.mark.parametrize("slip", [2.0, -2.0])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_shift_lets_go_of_what_nothing_holds(monkeypatch, delta, slip, seed):
+    """A grain that only slides turns without end on a bare tangent; the shift moves it by ~ Δ,
+    until it is off its contacts or wedged.  By construction, for any packing (80 of 80); without
+    the grain the packing is at rest, and the bare Newton will do."""
+    p, law = packing(grains=32, delta=delta, seed=seed), ContactLaw()
+    state = with_a_roller(p, slip)
+    assert polish(state, find_neighbours(state, 0.1), law, p.pressure).residual <= 1e-9
     monkeypatch.setattr(polish_module, "SHIFT", PIN)
-    assert with_shift > early_polishes(range(10))
+    state = with_a_roller(p, slip)
+    with pytest.raises(PolishFailed, match="a Newton step of"):
+        polish(state, find_neighbours(state, 0.1), law, p.pressure)
+    history = History(p.pairs, p.images, p.tangential_forces / law.tangential)
+    alone = State(p.positions, p.radii, cell=p.cell, history=history)
+    assert polish(alone, find_neighbours(alone, 0.1), law, p.pressure).residual <= 1e-9
 
 
 def test_failed_polish_leaves_the_state_as_it_was():
@@ -158,8 +173,9 @@ class Stored(Exception):
 
 
 def test_a_contact_that_would_pull_is_opened(monkeypatch):
-    """The weakest contact is made to pull at the end: on the tangent the others balance without
-    it.  Left in (no openings, the negative control), the polish fails."""
+    """The weakest contact is made to pull at the end: it is opened, and bears nothing.  On the
+    tangent the others balance without it, to round-off in at least three of six packings (in 13
+    of 14; the others lose a second contact).  Left in, the control, the polish fails."""
     increments, without, opened = polish_module._increments, Equilibrium.without, []
 
     def pulling(balance, trial):
@@ -180,14 +196,19 @@ def test_a_contact_that_would_pull_is_opened(monkeypatch):
     monkeypatch.setattr(polish_module, "_increments", pulling)
     monkeypatch.setattr(polish_module, "_store", store)
     monkeypatch.setattr(Equilibrium, "without", remember)
-    with pytest.raises(Stored) as stored:
-        relax(Scene(48, 1e-4), 1, progress=False)
-    (rest,) = stored.value.args
-    assert rest.residual < 1e-12
-    ((weakest,),) = opened
-    assert not rest.bearing[weakest]
-    assert rest.normal[weakest] == 0
-    assert (rest.normal >= 0).all()
+    residuals = []
+    for seed in range(1, 7):
+        opened.clear()
+        with pytest.raises(Stored) as stored:
+            relax(Scene(48, 1e-2), seed, progress=False)
+        (rest,) = stored.value.args
+        weakest = opened[0]
+        assert len(weakest) == 1
+        assert not rest.bearing[weakest].any()
+        assert not rest.normal[weakest].any()
+        assert (rest.normal >= 0).all()
+        residuals.append(rest.residual)
+    assert np.sum(np.array(residuals) < 1e-12) >= 3, residuals
 
     opened.clear()
     monkeypatch.setattr(Equilibrium, "without", lambda self, trial, pulls: trial)

@@ -161,7 +161,7 @@ def test_bad_scene(arguments, message):
         ({"time_step": "0.8"}, "time_step = '0.8' is not a number"),
         ({"time_step": None}, "time_step = None is not a number"),
         ({"longest": True}, "longest = True is not a number"),
-        ({"skin": np.False_}, "skin = np.False_ is not a number"),
+        ({"skin": np.False_}, f"skin = {np.False_!r} is not a number"),
         ({"polish": "no"}, "polish = 'no' is neither True nor False"),
         ({"backend": "fortran"}, "backend = 'fortran' is not one of auto, numpy, numba"),
     ],

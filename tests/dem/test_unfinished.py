@@ -111,6 +111,7 @@ HERE = unfinished._machine()
         (NOBODY, "elsewhere", 60, True),
         (NOBODY, "elsewhere", 7200, False),
     ],
+    ids=range(8),
 )
 def test_what_is_left_over(tmp_path, process, machine, age, stays):
     path = part(tmp_path, process, machine, age)
@@ -119,7 +120,9 @@ def test_what_is_left_over(tmp_path, process, machine, age, stays):
 
 
 @pytest.mark.parametrize(
-    ("process", "age", "stays"), [(NOBODY, 0, False), (os.getpid(), 0, True), (1, 7200, False)]
+    ("process", "age", "stays"),
+    [(NOBODY, 0, False), (os.getpid(), 0, True), (1, 7200, False)],
+    ids=["nobody", "this one", "long ago"],
 )
 def test_without_locks_number_and_age_decide(tmp_path, monkeypatch, process, age, stays):
     monkeypatch.setattr(unfinished, "_locked", lambda stream: None)

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import dem.settings
-from dem import NotRelaxed, Scene, Settings, relax
+from dem import NotRelaxed, Scene, Settings, State, relax
+from dem.audit import NotRight, refuse_missed_contacts
+from dem.neighbours import find_neighbours
 from tests.dem.test_relax import balance
 
 RELAX = sys.modules["dem.relax"]  # the name dem.relax is the function
@@ -104,10 +106,25 @@ def test_a_missed_contact_is_found(monkeypatch):
 
 def test_a_grain_inside_another_is_found(monkeypatch):
     def tunnelled(state, near):
-        state.radii[0] *= 3
+        """A grain grows until it holds the centre of the first it is listed with."""
+        i, _ = near.pairs[0]
+        state.radii[i] = 1.01 * np.abs(near.branches(state)[0])
         _audit(state, near)
 
     _audit = RELAX.refuse_missed_contacts
     monkeypatch.setattr(RELAX, "refuse_missed_contacts", tunnelled)
     with pytest.raises(NotRelaxed, match=r"holds the centre|were not on the neighbour list"):
         relax(SCENE, 1, progress=False)
+
+
+def test_a_small_grain_inside_a_large_one_is_found():
+    """Centres 0.5 apart, radii 1 and 0.2: the large one holds the centre of the small one, not the
+    other way round. At 1.05 they merely overlap."""
+    for apart, inside in ((0.5, True), (1.05, False)):
+        state = State(np.array([[0.0, 0.0], [apart, 0.0]]), np.array([1.0, 0.2]))
+        near = find_neighbours(state, 0.1)
+        if not inside:
+            refuse_missed_contacts(state, near)
+            continue
+        with pytest.raises(NotRight, match="grain 0 holds the centre of grain 1"):
+            refuse_missed_contacts(state, near)

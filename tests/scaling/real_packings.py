@@ -1,4 +1,7 @@
-"""Packings from other groups' simulations, if they are there (they are not part of this project).
+"""Packings from other codes: one that is part of this project, and two of other groups.
+
+``box``, made with LAMMPS, is in tests/data.  The others are read from the folder that the
+environment variable PACKING_DATA names; without it tests that want them skip, and say which.
 
 jambashbulk (van Hecke group): frictionless harmonic disks, k = 1, sheared periodic cell.
 RigidLibrary (Henkes group): frictional disks under slow shear, Lees-Edwards boundary.
@@ -6,21 +9,64 @@ RigidLibrary (Henkes group): frictional disks under slow shear, Lees-Edwards bou
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from scaling import ContactNetwork
 
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+OURS = Path(__file__).resolve().parents[1] / "data"
 
 
-def _present(path):
+def _present(*names):
+    """The path PACKING_DATA/names; skip where it is not, fail where the folder named is not."""
+    folder, wanted = os.environ.get("PACKING_DATA"), "/".join(names)
+    if not folder:
+        pytest.skip(f"packing {wanted}: PACKING_DATA names no folder")
+    if not Path(folder).is_dir():
+        pytest.fail(f"PACKING_DATA = {folder}: no such folder")
+    path = Path(folder, *names)
     if not path.exists():
-        pytest.skip(f"third-party packing {path.name} is not here")
+        pytest.skip(f"packing {wanted} is not in the folder of PACKING_DATA")
     return path
+
+
+class Box(NamedTuple):
+    """Grains in a box under their weight: forces (f_n ; f_t), wall forces and what they are."""
+
+    network: ContactNetwork
+    forces: np.ndarray
+    walls: np.ndarray  # (N, 3) force and torque of the walls on each grain
+    masses: np.ndarray
+    stiffness: float
+    friction: float
+
+    def loaded(self, external):
+        """The same contacts under other loads."""
+        n = self.network
+        return ContactNetwork(n.positions, n.radii, n.pairs, external=external)
+
+
+def box():
+    """168 disks between three walls, with gravity; see tests/data/lammps_walls/README.md."""
+    grains = np.loadtxt(OURS / "lammps_walls" / "grains.txt")
+    rows = np.loadtxt(OURS / "lammps_walls" / "contacts.txt")
+    masses, x, radii = grains[:, 2], grains[:, 3:5], grains[:, 1] / 2
+    side, floor = grains[:, 5:7], grains[:, 7:9]
+    towards = np.where(x[:, 0] < 6.5, -1.0, 1.0)  # the side wall, from the centre
+    torques = radii * (towards * side[:, 1] + floor[:, 0])  # (point - centre) × force
+    walls = np.column_stack([side + floor, torques])
+    ids = rows[:, :2].astype(int) - 1
+    onto = np.where(ids[:, 0] > ids[:, 1], -1.0, 1.0)[:, None]  # forces on the lower number
+    weight = np.column_stack([np.zeros_like(masses), -masses, np.zeros_like(masses)])
+    network = ContactNetwork(x, radii, np.sort(ids, axis=1), external=walls + weight)
+    normal = -np.sum(onto * rows[:, 2:4] * network.normals, axis=1)
+    tangential = np.sum(onto * rows[:, 4:6] * network.tangents, axis=1)
+    return Box(network, np.concatenate([normal, tangential]), walls, masses, 1e5, 0.4)
 
 
 def touching(x, radii, cell):
@@ -38,7 +84,7 @@ def touching(x, radii, cell):
 
 def jammed(name):
     """A frictionless packing and its pressure; the forces are the overlaps (k = 1)."""
-    text = _present(DATA / "vanhecke_jammed" / name).read_text()
+    text = _present("vanhecke_jammed", name).read_text()
     header, body = re.search(r"(N = .*?)\n\{(.*?)\}", text, re.S).groups()
     numbers = r"\{\s*([-\d.eE+]+)\s*,\s*([-\d.eE+]+)\s*\}"
     cell = np.array([re.search(rf"{k}=\s*{numbers}", header).groups() for k in ("L1", "L2")])
@@ -52,7 +98,7 @@ def jammed(name):
 
 def sheared():
     """A frictional packing, N = 1024, and its forces (f_n ; f_t), f_t with its viscous part."""
-    folder = _present(DATA / "henkes_dem")
+    folder = _present("henkes_dem")
     radii = np.loadtxt(folder / "posinit.dat", usecols=3)
     x = np.loadtxt(folder / "PosVel5000.dat", usecols=(0, 1))
     rows = np.loadtxt(folder / "Contact5000.dat")

@@ -301,3 +301,9 @@ def test_one_contact_with_an_own_image_given_twice(image):
         ContactNetwork(
             [[0.0, 0.0]], [0.5], [(0, 0), (0, 0)], cell=np.eye(2), images=[image, opposite]
         )
+
+
+def test_mean_diameter_is_over_all_grains():
+    """Those without contacts too: ⟨σ⟩ of radii 1, 1, 4 is 4."""
+    n = ContactNetwork([[0.0, 0.0], [2.0, 0.0], [20.0, 0.0]], [1.0, 1.0, 4.0], [[0, 1]])
+    assert n.mean_diameter == 4.0

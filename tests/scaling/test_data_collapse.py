@@ -114,7 +114,7 @@ def test_draws_with_a_negative_radius_are_left_out(packings):
     ("arguments", "message"),
     [
         ({"xis": [0.0]}, "strengths must be positive"),
-        ({"xis": [np.nan]}, "strengths must be positive"),
+        ({"xis": [np.nan]}, r"xis\[0\] \(strength 0\) is nan"),
         ({"draws": 0}, "draws = 0"),
         ({"noise": "size"}, "noise 'size' is unknown"),
         ({"method": "magic"}, "method 'magic' is unknown"),

@@ -72,7 +72,7 @@ def test_transverse_method_feels_positions_only():
     assert gain(truth.network, "transverse", "diameter") == 0
     E, spread = sampled(truth, "transverse", "position", 1e-4)
     K = gain(truth.network, "transverse", "position", forces=truth.forces)
-    expected = K * 1e-4 / mean_force(truth.forces)
+    expected = K * 1e-4 / mean_force(truth)
     assert abs(E / expected - 1) < 4.5 * spread + 1e-3
 
 
@@ -112,7 +112,7 @@ def test_amplification_by_its_definition():
     truth = loaded(periodic())
     p = truth.packing.pressure
     C = amplification(truth.network, forces=truth.forces, pressure=p)
-    np.testing.assert_allclose(C, gain(truth.network) * p / mean_force(truth.forces), rtol=4 * EPS)
+    np.testing.assert_allclose(C, gain(truth.network) * p / mean_force(truth), rtol=4 * EPS)
     assert amplification_of(truth.packing) == C
     positions = amplification(truth.network, "gppsz", "position", forces=truth.forces, pressure=p)
     # Here κ = 1 is found from forces and overlaps, which hold it to ε/Δ.

@@ -64,15 +64,15 @@ def test_one_draw_is_the_map_applied_to_its_noise(method, noise, friction):
 
 @pytest.mark.parametrize("method", LINEAR)
 def test_estimated_gain_has_an_honest_bar(method):
-    """Over 40 seeds, (estimate - exact)/bar has a mean square between 0.5 and 2.5 (Student's t
-    with 9 degrees of freedom: 1.29)."""
+    """Over 200 seeds: K² is unbiased, within five standard errors, and its scatter is what the
+    bars say, 2 K bar, within a factor 2 of the variance (a sample of 200 knows it to 20 %)."""
     p = packing(delta=1e-1)
     E = error_map(network_of(p), method, "position", **given(p, "position"))
-    scores = []
-    for seed in range(40):
-        K, bar = E.estimated_gain(np.random.default_rng(seed), 10)
-        scores.append((K - E.gain) / bar)
-    assert 0.5 < np.mean(np.square(scores)) < 2.5
+    found = [E.estimated_gain(np.random.default_rng(seed), 10) for seed in range(200)]
+    K, bar = np.transpose(found)
+    variance = np.var(K**2, ddof=1)
+    assert abs(np.mean(K**2) - E.gain**2) < 5 * np.sqrt(variance / 200)
+    assert 0.5 < np.mean((2 * K * bar) ** 2) / variance < 2
     with pytest.raises(ValueError, match="probes = 1"):
         E.estimated_gain(np.random.default_rng(0), 1)
 
@@ -263,9 +263,11 @@ def test_a_stiffness_that_is_none_is_refused(stiffness):
 
 
 def test_amplification_of_the_new_methods():
-    p = packing(delta=1e-2)
+    """Below Z = 4 - 4/N exact positions make sizes redundant: nothing is left for `optimal`."""
+    p = packing(delta=1e-4)
+    assert p.coordination < 4 - 4 / len(p.radii)
     E = error_map(network_of(p), "balanced")
-    C = E.gain * p.pressure / mean_force(p.forces)
+    C = E.gain * p.pressure / mean_force(p)
     assert amplification_of(p, "balanced") == pytest.approx(C)
     assert amplification_of(p, "optimal") < 1e-4 * C
 

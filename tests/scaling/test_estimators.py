@@ -19,6 +19,7 @@ from scaling import (
     reconstruct,
     relative_error,
 )
+from tests.chi_squares import log_tail
 from tests.conftest import packing
 from tests.scaling.networks import loaded, periodic, rhombus
 from tests.scaling.packings import network_of
@@ -43,7 +44,7 @@ def test_exact_data_give_the_truth(delta, noise):
         ("optimal", {"xi": delta, "noise": noise}),
     ):
         found = reconstruct(n, p.stiffness, method, **more)
-        assert relative_error(found.forces, p.forces) < rounding(p), method
+        assert relative_error(found, p) < rounding(p), method
         if method == "optimal":
             assert np.abs(found.diagnostics["noise"]).max() < rounding(p)
 
@@ -152,7 +153,7 @@ def test_a_wrong_covariance_is_not_optimal():
         noisy = n.with_sizes(n.radii + σ * rng.standard_normal(48))
         for errors, variances in ((right, σ**2), (wrong, σ[::-1] ** 2)):
             found = reconstruct(noisy, p.stiffness, "optimal", covariance=variances)
-            errors.append(relative_error(found.forces, p.forces))
+            errors.append(relative_error(found, p))
         plain.append(relative_error(reconstruct(noisy, p.stiffness).forces, p.forces))
     assert np.mean(right) < np.mean(plain)
     assert np.mean(wrong) > 2 * np.mean(right)
@@ -161,8 +162,9 @@ def test_a_wrong_covariance_is_not_optimal():
 
 @pytest.mark.parametrize("noise", ["diameter", "position"])
 def test_optimal_is_unbiased_with_the_covariance_it_claims(noise):
-    """60 draws: the mean error is within 4 standard errors in every component, and the mean square
-    matches the bound within 4 standard errors of the sample. ξ²/Δ = 1e-4 Δ is below both."""
+    """60 draws: the mean error within 5 standard errors in every component (false in 5 of 1e5
+    samples), its square and the mean square of the errors as the bound has them, Σ s² χ²₁
+    (Chernoff at 1e-6); twice that is refused. ξ²/Δ = 1e-4 Δ is below both."""
     p = packing(delta=1e-1)
     n, rng, draws = network_of(p), np.random.default_rng(0), 60
     xi = 1e-3 * p.delta
@@ -173,12 +175,11 @@ def test_optimal_is_unbiased_with_the_covariance_it_claims(noise):
         - p.forces for _ in range(draws)
     ]) / (p.stiffness * xi)  # fmt: skip
     z = errors.mean(axis=0) / (bound.per_component / np.sqrt(draws))
-    assert np.abs(z).max() < 4.5
-    assert np.mean(z**2) == pytest.approx(1, abs=0.5)
-    squares = np.mean(errors**2, axis=1)
-    bar = squares.std() / np.sqrt(draws)
-    assert abs(squares.mean() - bound.gain**2) < 4 * bar
-    assert abs(squares.mean() - 1.3 * bound.gain**2) > 4 * bar  # the sample can tell
+    assert np.abs(z).max() < 5
+    weights, chance = bound.singular_values**2, np.log(1e-6)
+    assert log_tail(weights, 1, draws * float(np.sum(errors.mean(axis=0) ** 2))) > chance
+    assert log_tail(weights, draws, float(np.sum(errors**2))) > chance
+    assert log_tail(weights, draws, 2 * float(np.sum(errors**2))) < chance  # the sample can tell
     gppsz = error_map(n, "gppsz", noise, **true)
     assert gppsz.gain > 1.05 * bound.gain
 
@@ -205,9 +206,16 @@ def test_bias_grows_with_the_square_of_the_noise():
     assert slope == pytest.approx(2, abs=0.1)
 
 
-@pytest.mark.parametrize("delta", [1e-1, 1e-3, 1e-5])
-def test_open_clusters_leave_the_global_moment_free(delta):
-    """Position noise on an open network: the error is O(ξ), not O(ξ/Δ) times more, at every Δ."""
+def test_open_clusters_leave_the_global_moment_free():
+    """Position noise of ξ = 1e-3 Δ on an open network: the same draw costs the same from Δ = 1e-3
+    to 1e-5, within 20 %, not 100 times as much through the moment of the whole."""
+    soft, stiff, stiffer = (np.array(errors_of_a_cluster(d)) for d in (1e-1, 1e-3, 1e-5))
+    assert stiffer == pytest.approx(stiff, rel=0.2)
+    assert np.isfinite(soft).all()
+
+
+def errors_of_a_cluster(delta):
+    """E of `balanced` and of `optimal` on some 38 of 100 grains, and both exact without noise."""
     truth = loaded(periodic(100, delta=delta))
     mask = np.linalg.norm(truth.network.positions - 5, axis=1) < 3.5
     n = truth.network
@@ -221,15 +229,14 @@ def test_open_clusters_leave_the_global_moment_free(delta):
     true = f[:, n.contact_index].ravel()
     assert n.cell is None
     xi = 1e-3 * delta
-    errors = {}
+    errors = []
     for method, more in (("balanced", {}), ("optimal", {"xi": xi, "noise": "position"})):
         exact = reconstruct(n, 1.0, method, **more)
         smallest = force_equation(n).conditioning.smallest
-        assert relative_error(exact.forces, true) < 1e3 * EPS / delta / smallest
+        assert relative_error(exact, true) < 1e3 * EPS / delta / smallest
         noisy = perturb(n, xi, np.random.default_rng(0), "position")
-        errors[method] = relative_error(reconstruct(noisy, 1.0, method, **more).forces, true)
-    assert errors["optimal"] < 1e-2
-    assert errors["balanced"] < 1e-2
+        errors.append(relative_error(reconstruct(noisy, 1.0, method, **more), true))
+    return errors
 
 
 def test_rhombus_balanced_by_hand():
@@ -241,7 +248,7 @@ def test_rhombus_balanced_by_hand():
     equation = force_equation(noisy)
     moment = reconstruct(noisy, 1.0)
     imbalance = [equation.M @ r.forces - equation.balance_rhs() for r in (kept, moment)]
-    size = mean_force(truth.forces)
+    size = mean_force(truth)
     # Forces balance to rounding; the moment of the whole, O(Δ) and left free, is all that remains.
     assert np.linalg.norm(imbalance[0]) < 0.2 * np.linalg.norm(imbalance[1])
     assert np.linalg.norm(imbalance[1]) > 1e-3 * size

@@ -124,3 +124,22 @@ def test_bad_noise_is_refused():
     both = ContactNetwork(n.positions, n.radii, n.pairs, normals=n.normals)
     with pytest.raises(ValueError, match="directions that were measured themselves"):
         perturb(both, 0.1, rng, "position")
+
+
+@pytest.mark.parametrize("frictional", [True, False])
+def test_turning_of_forces_is_the_derivative_of_balance(frictional):
+    """balance_response against a central difference of M|f⟩ in the positions, h = 1e-6: good to
+    h² and ε/h, 1e-9 of the largest force."""
+    truth = loaded(periodic(), frictional=frictional)
+    n, h = truth.network, 1e-6
+    η = np.random.default_rng(0).standard_normal((2, n.grains))
+
+    def resultant(step):
+        x = n.positions + step * n.mean_diameter * η.T
+        moved = ContactNetwork(x, n.radii, n.pairs, cell=n.cell, images=n.images)
+        return force_equation(moved, frictional).M @ truth.forces
+
+    slope = (resultant(h) - resultant(-h)) / (2 * h)
+    found = balance_response(n, truth.forces) @ η.ravel()
+    assert np.abs(found - slope).max() < 1e-8 * np.abs(truth.forces).max()
+    assert np.abs(slope).max() > 0.1 * np.abs(truth.forces).max()

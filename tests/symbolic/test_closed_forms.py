@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import pytest
 import sympy as sp
 
@@ -27,6 +25,7 @@ from scaling.symbolic.closed_forms import elementary, in_radii, in_sine, sine
 from scaling.symbolic.fourier import closure_defect, n, theta
 from scaling.symbolic.limits import large_ring, leading, table_of_limits
 from scaling.symbolic.networks import u, v
+from scaling.symbolic.wheel_waves import wave_term
 
 
 @pytest.mark.parametrize("frictional", [False, True])
@@ -42,7 +41,8 @@ def test_triangle_in_radii(half_angles, frictional):
 def test_triangle_gain_does_not_care_who_is_first():
     gain = squared_gain(triangle())
     angles = sp.Rational(1, 2), sp.Rational(1, 3), sp.S.One  # tan of half angles: sum is 90°
-    values = {gain.subs({u: a, v: b}) for a, b in itertools.permutations(angles, 2)}
+    a, b, c = angles  # the two exchanges of neighbours make all orders
+    values = {gain.subs({u: x, v: y}) for x, y in ((a, b), (b, a), (a, c))}
     assert len(values) == 1
 
 
@@ -82,15 +82,31 @@ def test_closure_projects_on_two_waves():
     assert closure_defect(sp.Symbol("e", integer=True)) == 0
 
 
-@pytest.mark.parametrize("size", [3, 4, 6])
-def test_wheel_fourier_sum_without_friction(size):
-    difference = wheel_squared_gain(size, False) - squared_gain(wheel(size), False)
-    assert abs(sp.N(difference, 50)) < sp.Float("1e-37")
+@pytest.mark.parametrize("frictional", [False, True])
+@pytest.mark.parametrize("size", range(3, 9))
+def test_wheel_fourier_sum_is_the_exact_gain(size, frictional):
+    """Forty digits by default: half a unit in the last one, K² being 0.1."""
+    exact = sp.N(squared_gain(wheel(size), frictional), 90)
+    assert abs(wheel_squared_gain(size, frictional) - exact) < sp.Float("1e-40")
+    assert abs(wheel_squared_gain(size, frictional, digits=70) - exact) < sp.Float("1e-70")
 
 
-def test_wheel_fourier_sum_with_friction():
-    difference = wheel_squared_gain(4, True) - squared_gain(wheel(4), True)
-    assert abs(sp.N(difference, 50)) < sp.Float("1e-37")
+def test_waves_are_counted_once():
+    """Negative control: a wave left out, or counted twice, is seen in the first digits."""
+    for k in (0, 1, 2, 3):
+        assert abs(wave_term(6, k, True)) > 1e-3
+        assert abs(wave_term(6, k, True) - wave_term(6, 6 - k if k else 0, True)) < 1e-12
+
+
+def test_wheels_of_no_size_are_refused():
+    with pytest.raises(ValueError, match="size = 2: a wheel needs at least three"):
+        wheel_squared_gain(2)
+    with pytest.raises(ValueError, match=r"size = 4\.5"):
+        wheel_squared_gain(4.5)
+    with pytest.raises(ValueError, match="digits = 0"):
+        wheel_squared_gain(4, digits=0)
+    with pytest.raises(ValueError, match="frictional = 'no'"):
+        wheel_squared_gain(4, "no")
 
 
 def test_table_is_complete_and_full_rank():

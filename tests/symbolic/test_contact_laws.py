@@ -225,3 +225,13 @@ def test_series_is_what_newton_finds_on_the_triangle(zeta):
     w_0, w_1 = (sum(float(c) * zeta**k for k, c in enumerate(s)) for s in series.coefficients(24))
     # what the series leaves out: (ζ/4.055)^25
     np.testing.assert_allclose(found, [w_0**3, w_1**3, w_0**3], rtol=1e-9)
+
+
+def test_a_density_is_a_mass_per_area_of_disks_and_per_volume_of_spheres():
+    """With a rate ω to measure time by, √(ρ/p) ω⟨σ⟩ is the one group, in plane and space alike."""
+    p, sigma, rho = contact.pressure, dimensions.sigma, dimensions.rho
+    rate = sp.Symbol("omega", positive=True)
+    inertia = sp.sqrt(rho / p) * rate * sigma
+    for table in (dimensions.PLANE, dimensions.SPHERES):
+        (group,) = dimensions.groups([p, sigma, rho, rate], {**table, rate: (0, 0, -1)})
+        assert sp.simplify(group / inertia) == 1

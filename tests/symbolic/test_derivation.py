@@ -9,7 +9,9 @@ import sympy as sp
 
 from scaling.symbolic import Step, common_mode_steps, derivation, perturbation_steps
 from scaling.symbolic.contact import Delta, alpha, kappa, pressure
-from scaling.symbolic.force_equation import GeneralTriangle, equation_steps
+from scaling.symbolic.force_equation import equation_steps
+from scaling.symbolic.general_triangle import GeneralTriangle
+from scaling.symbolic.step import vanishes
 
 ALL = {step.name: step for step in derivation()}
 MORE = [*perturbation_steps(), *common_mode_steps()]
@@ -51,6 +53,31 @@ def test_a_false_step_does_not_hold():
 
 def test_a_step_without_a_check_does_not_hold():
     assert not Step("claim", "everything is fine", "0=0", "because", ()).holds
+
+
+def test_what_is_zero_vanishes_and_what_is_not_does_not():
+    x, y = sp.symbols("x y", positive=True)
+    walk = sp.Function("x")
+    for zero in (
+        sp.S.Zero,
+        sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1,
+        sp.sqrt(x**2) - x,
+        (x**2 - y**2) / (x - y) - x - y,
+        sp.sqrt(2) * sp.sqrt(3) - sp.sqrt(6),
+        walk(x) - walk(x),
+    ):
+        assert vanishes(zero)
+    for other in (
+        x - y,
+        sp.zoo,
+        sp.nan,
+        sp.zoo * x,
+        sp.oo,
+        sp.I * x,
+        walk(x),
+        sp.Rational(1, 10**30),
+    ):
+        assert not vanishes(other)
 
 
 def test_latex_is_balanced():

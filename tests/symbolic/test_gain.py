@@ -131,6 +131,19 @@ def test_bad_input_names_the_culprit():
         rank(triangle(), matrix="X")
 
 
+def test_matrices_of_a_shared_network_cannot_be_written_into():
+    network = triangle()
+    for matrix in (
+        network.M(),
+        network.M(frictional=False),
+        network.Q,
+        network.G(),
+        network.sigma,
+    ):
+        with pytest.raises(TypeError):
+            matrix[0, 0] = 7
+
+
 def test_hand_value_of_the_frictionless_square():
     """Q of the square is (f_0 - f_2, f_1 - f_3) and MᵀM = 2, so δf is a quarter of QᵀQδσ.
 

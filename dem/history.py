@@ -1,0 +1,129 @@
+"""What contacts remember: the tangential springs, keyed by pair and image of the cell.
+
+A contact is one place where two grains meet, (i, j, image): the centre of j, moved by
+``image`` lattice vectors, beside that of i.  Image numbers depend on how positions are wrapped,
+the contact does not: a spring whose image is stale goes to the one image through which its
+pair now meets.  A pair that meets no more has no force, hence no memory.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from packing.arrays import Floats, real_array, whole_array
+from packing.arrays import Integers as Ints
+
+
+@dataclass(eq=False)
+class History:
+    """Tangential elongations ``u (c,)`` of the contacts ``(i, j, image)`` that carry them.
+
+    ``pairs (c, 2)`` with i < j, or i = j through an image; ``images (c, 2)`` shifts of j in
+    lattice vectors.  Images left from before positions were wrapped are understood.
+
+    Raises ValueError, naming the contact, for shapes that do not fit, NaN, an index or image that
+    is no whole number, i > j, and a contact given twice.
+    """
+
+    pairs: Ints = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    images: Ints = field(default_factory=lambda: np.empty((0, 2), np.int64))
+    elongations: Floats = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self) -> None:
+        self.elongations = real_array("elongations", self.elongations, (None,))
+        shape = (len(self.elongations), 2)
+        self.pairs = whole_array("pairs", self.pairs, shape)
+        self.images = whole_array("images", self.images, shape)
+        i, j = self.pairs.T
+        if len(bad := np.flatnonzero((i > j) | ((i == j) & ~self.images.any(axis=1)))):
+            e = int(bad[0])
+            raise ValueError(f"contact {e} of the history is {self._names(e)}: write i < j")
+        if not np.all((i[1:] > i[:-1]) | ((i[1:] == i[:-1]) & (j[1:] > j[:-1]))):
+            self._refuse_repeated()
+
+    def check_grains(self, count: int, periodic: bool = True) -> None:
+        """ValueError when a contact joins a grain that is none of 0 ... count - 1, or joins
+        through an image where there is no cell."""
+        if len(bad := np.flatnonzero((self.pairs < 0).any(1) | (self.pairs >= count).any(1))):
+            e = int(bad[0])
+            raise ValueError(
+                f"contact {e} of the history is {self._names(e)}, but grains are 0 ... {count - 1}"
+            )
+        if not periodic and len(bad := np.flatnonzero(self.images.any(1))):
+            e = int(bad[0])
+            raise ValueError(
+                f"contact {e} of the history {self._names(e)} has image "
+                f"{self.images[e].tolist()}, but there is no cell"
+            )
+
+    def _refuse_repeated(self) -> None:
+        keys = np.column_stack(
+            [self.pairs, ahead(self.images, self.pairs[:, 0] == self.pairs[:, 1])]
+        )
+        order = np.lexsort(keys.T)
+        again = np.flatnonzero((keys[order[1:]] == keys[order[:-1]]).all(axis=1))
+        if len(again):
+            first, second = sorted(order[again[0] : again[0] + 2].tolist())
+            raise ValueError(
+                f"contacts {first} and {second} of the history are both {self._names(first)} "
+                f"with image {self.images[first].tolist()}: a contact has one spring"
+            )
+
+    def same_as(self, other: History) -> bool:
+        """Contact by contact, in the same order."""
+        return self is other or all(
+            np.array_equal(getattr(self, name), getattr(other, name))
+            for name in ("pairs", "images", "elongations")
+        )
+
+    def on_list(self, pairs: Ints, images: Ints) -> Floats:
+        """The elongations laid on ``pairs`` and ``images`` of a neighbour list, sorted by pair.
+
+        ValueError for two springs of a pair that meets but once, and for a stale image of a pair
+        that meets through several.
+        """
+        elongation = np.zeros(len(pairs))
+        if not len(self.pairs) or not len(pairs):
+            return elongation
+        count = 1 + max(int(pairs.max()), int(self.pairs.max()))
+        new, old = (p[:, 0] * count + p[:, 1] for p in (pairs, self.pairs))
+        first, last = (np.searchsorted(new, old, side) for side in ("left", "right"))
+        wanted = ahead(self.images, self.pairs[:, 0] == self.pairs[:, 1])
+        place = np.full(len(old), -1)
+        for k in range(int((last - first).max())):
+            at = np.minimum(first + k, len(new) - 1)
+            same = (first + k < last) & np.all(images[at] == wanted, axis=1)
+            place[same] = at[same]
+        taken = set(place.tolist())
+        for e in np.flatnonzero((place < 0) & (first < last)).tolist():
+            place[e] = self._meets(e, [k for k in range(first[e], last[e]) if k not in taken])
+            taken.add(int(place[e]))
+        elongation[place[place >= 0]] = self.elongations[place >= 0]
+        return elongation
+
+    def _meets(self, contact: int, free: list[int]) -> int:
+        """The place of a stale ``contact`` among the ``free`` ones of its pair."""
+        named = f"contact {contact} of the history {self._names(contact)}"
+        image = f"image {self.images[contact].tolist()}"
+        if not free:
+            raise ValueError(
+                f"{named} with {image} is one too many: that pair does not meet so often"
+            )
+        if len(free) > 1:
+            raise ValueError(
+                f"{named} has {image}, through which the pair does not meet, but it meets through "
+                f"{len(free)} others: which spring is meant is unclear"
+            )
+        return free[0]
+
+    def _names(self, contact: int) -> tuple[int, ...]:
+        return tuple(self.pairs[contact].tolist())
+
+
+def ahead(images: Ints, itself: np.ndarray) -> Ints:
+    """Images, of a contact of a grain with ``itself`` the one of the two that points ahead: seen
+    from either end it is the same contact."""
+    behind = (images[:, 0] < 0) | ((images[:, 0] == 0) & (images[:, 1] < 0))
+    return np.where((itself & behind)[:, None], -images, images)

@@ -1,0 +1,64 @@
+"""Mutations of the derivations, which compare with themselves and with the numbers."""
+
+from __future__ import annotations
+
+from tests.mutation.mutation import Mutation
+
+LAWS = ("tests/symbolic/test_contact_laws.py",)
+BALANCE = ("tests/symbolic/test_equilibrium.py",)
+COMMON = ("tests/symbolic/test_common_mode.py",)
+ORDERS = ("tests/symbolic/test_perturbation.py",)
+GAINS = ("tests/symbolic/test_gain.py",)
+
+SYMBOLIC = (
+    Mutation(
+        "law: overlap with the exponent of the force",
+        "scaling/symbolic/contact.py",
+        "return (normal_force / kappa) ** (1 / exponent)",
+        "return (normal_force / kappa) ** exponent",
+        LAWS,
+    ),
+    Mutation(
+        "Hertz: the gap of one sphere for two",
+        "scaling/symbolic/hertz.py",
+        "wanted = delta / 2 - r**2 / sigma",
+        "wanted = delta - r**2 / sigma",
+        LAWS,
+    ),
+    Mutation(
+        "balance: torque on the second grain",
+        "scaling/symbolic/equilibrium.py",
+        "total[2 * grains + j] += ft",
+        "total[2 * grains + j] -= ft",
+        BALANCE,
+    ),
+    Mutation(
+        "common mode: a row without overlaps",
+        "scaling/symbolic/common_mode.py",
+        "length = grains * (1 - Delta)",
+        "length = grains * (1 + Delta)",
+        COMMON,
+        equivalent="only the change of the sizes counts, and the length drops out of it",
+    ),
+    Mutation(
+        "dimensions: disks of a mass per volume",
+        "scaling/symbolic/dimensions.py",
+        "rho: (1, -2, 0),",
+        "rho: (1, -3, 0),",
+        LAWS,
+    ),
+    Mutation(
+        "noise map of diameters: factor 2",
+        "scaling/symbolic/gain.py",
+        '"diameter": lambda grain: sp.Rational(1, 2)',
+        '"diameter": lambda grain: sp.S.One',
+        GAINS,
+    ),
+    Mutation(
+        "motion: second order of the direction left out",
+        "scaling/symbolic/linearisation.py",
+        "dM = (self.balance(dn[0]), self.balance(dn[1]))",
+        "dM = (self.balance(dn[0]), 0 * self.balance(dn[1]))",
+        ORDERS,
+    ),
+)

@@ -1,0 +1,86 @@
+"""What is declared is real: the wheel, its licence and version, and the lowest versions."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from email.parser import Parser
+from pathlib import Path
+from shutil import copytree, ignore_patterns
+from zipfile import ZipFile
+
+import pytest
+
+import dem
+import packing
+import scaling
+from tests.lowest import declared, pinned
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("scaling", "dem", "packing", "doubledouble")
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """(names, metadata) of the wheel, built from a copy of the tree."""
+    pytest.importorskip("setuptools", minversion="77", reason="setuptools < 77 builds no wheel")
+    folder = tmp_path_factory.mktemp("wheel")
+    heavy = ignore_patterns(".*", "build", "figures", "notebooks", "*.egg-info", "__pycache__")
+    copytree(ROOT, folder / "tree", ignore=heavy)
+    run = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet"]
+    subprocess.run([*run, "--wheel-dir", folder, folder / "tree"], check=True)
+    (path,) = folder.glob("*.whl")
+    with ZipFile(path) as archive:
+        names = archive.namelist()
+        (metadata,) = (n for n in names if n.endswith(".dist-info/METADATA"))
+        return names, Parser().parsestr(archive.read(metadata).decode())
+
+
+def test_wheel_declares_its_licence_and_version(wheel):
+    _, metadata = wheel
+    assert metadata["License-Expression"] == "BSD-3-Clause"
+    assert metadata.get_all("License-File") == ["LICENSE"]
+    assert metadata["Version"] == scaling.__version__
+    assert not [c for c in metadata.get_all("Classifier") if c.startswith("License")]
+
+
+def test_wheel_holds_every_package_and_nothing_else(wheel):
+    """Every module of the packages and their marks of being typed; no tests, no benchmarks."""
+    names, _ = wheel
+    held = {n for n in names if ".dist-info/" not in n}
+    modules = (p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
+    assert held == {p.relative_to(ROOT).as_posix() for p in modules} | {
+        f"{package}/py.typed" for package in PACKAGES
+    }
+
+
+def test_packages_know_their_version():
+    """All three the same, as pyproject.toml has it."""
+    version = re.search(r'^version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.M)[1]
+    assert {scaling.__version__, dem.__version__, packing.__version__} == {version}
+
+
+def test_lowest_versions_are_those_declared():
+    """Of the core, of one extra, and of all of them, each name once."""
+    assert "scipy==1.12" in pinned(declared())
+    assert "clarabel==0.10" in pinned(declared(["convex"]))
+    assert not [line for line in pinned(declared(["convex"])) if line.startswith("pytest")]
+    names = [line.split("==")[0] for line in pinned(declared())]
+    assert len(set(names)) == len(names)
+    assert {"numpy", "numba", "clarabel", "pytest", "hypothesis", "dask"} <= set(names)
+
+
+@pytest.mark.parametrize(
+    ("requirements", "message"),
+    [
+        (["numpy"], "'numpy': expected name>=version"),
+        (["numpy<3"], "'numpy<3': expected name>=version"),
+        (["a>=1", "a>=2"], "'a>=2': a>=1 stands too"),
+    ],
+)
+def test_requirements_without_a_lowest_version_are_refused(requirements, message):
+    with pytest.raises(ValueError, match=message):
+        pinned(requirements)
+    with pytest.raises(ValueError, match="phrenology: no such extra; there are fast"):
+        declared(["phrenology"])
