@@ -35,6 +35,7 @@ from scipy.sparse.linalg import splu
 from scipy.special import gammainc, gammaincc
 
 from packing.arrays import Floats, Integers
+from scaling.callers import outside
 from scaling.equation import ForceEquation
 from scaling.global_moments import global_moments
 from scaling.programme import Programme
@@ -97,7 +98,7 @@ def warn_if_implausible(misfit: Misfit, told: str) -> None:
         f"freedom is {misfit.value:.3g} with {misfit.most:.0f} of them, probability "
         f"{misfit.tail:.0e}. Likely cause: {cause}",
         ImplausibleNoiseWarning,
-        stacklevel=4,
+        stacklevel=outside(),
     )
 
 

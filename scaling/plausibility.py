@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from packing.arrays import Floats
+from scaling.callers import outside
 from scaling.equation import ForceEquation
 
 if TYPE_CHECKING:
@@ -80,6 +81,6 @@ def beyond_friction(equation: ForceEquation, forces: Floats, friction: float) ->
             "cause: noise in the data, a friction coefficient that is too small, or normal "
             "forces without their viscous parts",
             BeyondFrictionWarning,
-            stacklevel=4,
+            stacklevel=outside(),
         )
     return int(beyond.sum())

@@ -14,7 +14,6 @@ rounding scatters the overlaps by √2 ξ, so what scatters far less was not rou
 from __future__ import annotations
 
 import re
-import sys
 import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from packing.arrays import Floats, real_array
 from packing.numbers import shown
+from scaling.callers import asked_by_user, outside
 
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork
@@ -154,8 +154,9 @@ def warn_if_coarse(network: ContactNetwork, built: bool = False) -> None:
     said of overlaps that do not matter: with directions that were measured themselves, or of
     touching grains, and nothing of fewer than 16 different coordinates.
     """
-    outside, direct = _outside()
-    if (built and not direct) or network.positions is None or not network.contacts:
+    if built and not asked_by_user(depth=1):
+        return
+    if network.positions is None or not network.contacts:
         return
     if network._directions_measured or network.extended is not None:
         return
@@ -179,24 +180,8 @@ def warn_if_coarse(network: ContactNetwork, built: bool = False) -> None:
         f"{overlap:.1e}; expect forces with an error of E ≈ {PREFACTOR:g} ξ/⟨δ⟩ = {E:.2g} of "
         "the mean force; write coordinates with all digits (%.17g)",
         CoarseCoordinatesWarning,
-        stacklevel=outside,
+        stacklevel=outside(),
     )
-
-
-def _outside() -> tuple[int, bool]:
-    """(stacklevel of the first caller outside this package, whether it called the constructor)."""
-    package = __name__.partition(".")[0]
-    depth, frame = 2, sys._getframe(2)  # whoever called warn_if_coarse
-    inner = frame.f_back
-    direct = inner is not None and not _within(inner.f_globals.get("__name__", ""), package)
-    here = frame
-    while here.f_back is not None and _within(here.f_globals.get("__name__", ""), package):
-        here, depth = here.f_back, depth + 1
-    return depth, direct
-
-
-def _within(module: str, package: str) -> bool:
-    return module == package or module.startswith(package + ".")
 
 
 def _kinds(x: Floats) -> list[str]:
