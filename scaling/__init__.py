@@ -22,8 +22,10 @@ from scaling.error import mean_force, relative_error
 from scaling.error_theory import ErrorMap, error_map, worst_pattern
 from scaling.least_squares import Conditioning
 from scaling.loops import Loops
+from scaling.misfit import ImplausibleNoiseWarning
 from scaling.network import ContactNetwork
 from scaling.noise import perturb
+from scaling.plausibility import BeyondFrictionWarning
 from scaling.posterior import flat_guess
 from scaling.propagation import amplification, amplification_of, gain
 from scaling.reconstruction import Reconstruction, reconstruct
@@ -32,11 +34,13 @@ from scaling.tiling import tiled, tiled_forces
 from scaling.virial import stress
 
 __all__ = [
+    "BeyondFrictionWarning",
     "CoarseCoordinatesWarning",
     "Conditioning",
     "ContactNetwork",
     "ErrorMap",
     "ForceEquation",
+    "ImplausibleNoiseWarning",
     "Loops",
     "Reconstruction",
     "__version__",
