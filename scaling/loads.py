@@ -50,6 +50,8 @@ _TURNED = 4.0
 """Angles by which directions may be off, in rms δ/σ."""
 _RESTARTS = 3
 """Of LSMR, on what it left: a load in the range of M shrinks by ~1e7 each time."""
+_LARGEST_STRAIN = 0.1
+"""Lists of contacts with wider gaps are no measured packings: their directions are meant."""
 _NAMED = 5
 
 
@@ -101,10 +103,10 @@ def strain_of(network: ContactNetwork) -> float:
         try:
             loops = network.loops
         except ValueError:  # faces that are no discs: no evidence from loops
-            return max(strains)
+            return min(max(strains), _LARGEST_STRAIN)
         if len(loops):
             strains.append(_closure_error(network) / network.mean_diameter)
-    return max(strains)
+    return min(max(strains), _LARGEST_STRAIN)
 
 
 def _rms(x: Floats) -> float:
