@@ -17,6 +17,14 @@ from functools import cache
 import sympy as sp
 from sympy import Expr, I, Matrix
 
+from packing.numbers import flag
+from scaling.symbolic.arguments import (
+    LARGEST,
+    a_positive_expression,
+    checked,
+    checked_once,
+    whole,
+)
 from scaling.symbolic.equilibrium import Direction, force_on_first
 
 n = sp.Symbol("n", integer=True, positive=True)
@@ -54,7 +62,7 @@ def closure_defect(contact: Expr) -> Expr:
     return sp.re(sp.exp(-2 * sp.pi * I * contact / n) * geometric) / 2
 
 
-@cache
+@checked_once(frictional=flag, exponent=a_positive_expression)
 def ring_squared_gain(frictional: bool = True, exponent: Expr = sp.S.One) -> Expr:
     """K² of the regular n-ring for any n >= 3, in n and θ = 2π/n (diameter noise).
 
@@ -91,6 +99,7 @@ def wheel_rows() -> tuple[Matrix, Matrix]:
     return _jacobian(balance, unknowns), _jacobian(closure, unknowns)
 
 
+@checked(size=whole(3, LARGEST), mode=whole(0, LARGEST), frictional=flag)
 def wheel_term(size: int, mode: int, frictional: bool = True) -> Expr:
     """‖H(q)⁻¹B(q)‖² of a wheel for q = 2π·mode/size, exact (diameter noise)."""
     values = {theta: 2 * sp.pi / size, q: 2 * sp.pi * mode / size}
@@ -115,12 +124,11 @@ def wheel_term(size: int, mode: int, frictional: bool = True) -> Expr:
     return sum((x * sp.conjugate(x) for x in X), sp.S.Zero)
 
 
+@checked(size=whole(3, LARGEST), frictional=flag, digits=whole(1, 1000))
 def wheel_squared_gain(size: int, frictional: bool = True, digits: int = 40) -> Expr:
     """K² of the regular wheel by its Fourier sum, to the given number of digits.
 
     Errors: a few units in the last digit; the exact number is `gain.squared_gain(wheel(n))`.
     """
-    if size < 3:
-        raise ValueError(f"size = {size}: a wheel needs at least three rim grains")
     total = sum(sp.re(wheel_term(size, mode, frictional).evalf(digits)) for mode in range(size))
     return total / (size * (4 if frictional else 2))
