@@ -86,7 +86,7 @@ def test_two_springs_of_a_pair_that_meets_once_are_refused():
     state = State([[0.2, 5.0], [9.3, 5.0]], [0.5, 0.5], cell=np.diag([10.0, 10.0]), history=twice)
     with pytest.raises(ValueError, match=r"contact 1 of the history \(0, 1\) .* one too many"):
         step(state, ContactLaw(), 0.1)
-    with pytest.raises(ValueError, match="give|one too many"):
+    with pytest.raises(ValueError, match=r"give|one too many"):
         find_neighbours(state, 0.2)
 
 

@@ -138,7 +138,7 @@ def test_narrow_cell_is_refused():
 
 
 def test_a_list_that_would_fill_the_memory_is_refused():
-    """10 000 grains all in reach of each other are 5e7 pairs; in reach of their neighbours, few."""
+    """10 000 grains all in reach of each other are 5e7 pairs; of neighbours alone, few."""
     rng = np.random.default_rng(1)
     state = State(rng.uniform(0, 100, (10_000, 2)), np.full(10_000, 0.1))
     with pytest.raises(ValueError, match=r"skin = 1000: \d+ pairs of 10000 grains"):
