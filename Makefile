@@ -2,7 +2,7 @@
 # make figures FULL=1  publication edition (N = 1000), to figures/
 # make test            lint, types and tests
 # make test-lowest     the tests with the lowest versions that pyproject.toml declares
-# make fuzz            the property tests on 200 random examples each (EXAMPLES=n)
+# make fuzz            the property tests on 1000 random examples each (EXAMPLES=n)
 # make nightly         damaged files and odd calls (INPUTS=100000 each), make fuzz, the long tests,
 #                      and the mutations that tests must notice
 # make notebooks       the derivations, run and rendered to build/notebooks/
@@ -14,7 +14,7 @@
 PYTHON ?= python3
 # The lowest versions have wheels for this one.
 LOWEST_PYTHON ?= python3.11
-EXAMPLES ?= 200
+EXAMPLES ?= 1000
 INPUTS ?= 100000
 # One BLAS thread a process: the packings already use every core.
 export OMP_NUM_THREADS = 1

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dem.neighbours import Neighbours, find_neighbours
-from dem.state import State
+from dem.state import History, State
 
 
 class NotRight(ArithmeticError):
@@ -18,7 +18,7 @@ def refuse_missed_contacts(state: State, near: Neighbours) -> None:
     """Every overlapping pair of the final positions, found anew, must be on the list used, and
     no grain may hold the centre of another: it has tunnelled.  NotRight if not."""
     width = 1e-3 * 2 * float(state.radii.mean())
-    fresh = find_neighbours(replace(state), width)
+    fresh = find_neighbours(replace(state, history=History()), width)
     r = np.abs(fresh.branches(state))
     known = {tuple(k) for k in np.hstack([near.pairs, near.images]).tolist()}
     for e in np.flatnonzero(r < fresh.sigma):

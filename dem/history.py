@@ -78,11 +78,12 @@ class History:
             for name in ("pairs", "images", "elongations")
         )
 
-    def on_list(self, pairs: Ints, images: Ints) -> Floats:
+    def on_list(self, pairs: Ints, images: Ints, unwrapped: bool = False) -> Floats:
         """The elongations laid on ``pairs`` and ``images`` of a neighbour list, sorted by pair.
 
-        ValueError for two springs of a pair that meets but once, and for a stale image of a pair
-        that meets through several.
+        ``unwrapped``: positions were not wrapped since, so that no image is stale: a contact that
+        is not on the list has opened.  ValueError for two springs of a pair that meets but once,
+        and for a stale image of a pair that meets through several.
         """
         elongation = np.zeros(len(pairs))
         if not len(self.pairs) or not len(pairs):
@@ -97,7 +98,8 @@ class History:
             same = (first + k < last) & np.all(images[at] == wanted, axis=1)
             place[same] = at[same]
         taken = set(place.tolist())
-        for e in np.flatnonzero((place < 0) & (first < last)).tolist():
+        stale = np.flatnonzero((place < 0) & (first < last) & (not unwrapped))
+        for e in stale.tolist():
             place[e] = self._meets(e, [k for k in range(first[e], last[e]) if k not in taken])
             taken.add(int(place[e]))
         elongation[place[place >= 0]] = self.elongations[place >= 0]

@@ -18,6 +18,7 @@ from types import ModuleType
 
 import numpy as np
 
+from dem.history import History
 from dem.law import ContactLaw, Drive
 from dem.neighbours import Neighbours, find_neighbours
 from dem.numpy_kernel import Forces, Motion, kick
@@ -156,11 +157,20 @@ def _march(
         steps -= done
         if drifted:
             _write_back(state, motion, near, listed, controlled)
-            near = find_neighbours(state, width)
+            near = _renewed(state, width)
             motion, listed = _motion(state, near, single, controlled)
     _write_back(state, motion, near, listed, controlled)
     state._near, state._reached = near, Reached.of(state, forces, (law, controlled))
     return state
+
+
+def _renewed(state: State, width: float) -> Neighbours:
+    """The list made anew in motion, where no image is stale."""
+    history, state.history = state.history, History()
+    near = find_neighbours(state, width)
+    near.elongation = history.on_list(near.pairs, near.images, unwrapped=True)
+    state.history = history
+    return near
 
 
 def _kernel(backend: str) -> ModuleType:

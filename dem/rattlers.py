@@ -14,7 +14,7 @@ from typing import Protocol, Self, TypeVar
 import numpy as np
 
 from dem.neighbours import Neighbours, find_neighbours
-from dem.state import Floats, State
+from dem.state import Floats, History, State
 
 SWEEPS = 300
 #: Grains are pushed until they are this far apart, in Δ, or in mean diameters if that is less.
@@ -89,10 +89,15 @@ def free_rattlers(
     gap = min(GAP * delta, WIDEST_GAP) * size
     rattles = np.ones(len(state.radii), bool)
     rattles[near.pairs[bearing]] = False
-    around = find_neighbours(replace(state), 0.1 * size)
+    around = find_neighbours(_bare(state), 0.1 * size)
     place = evict(_Centres(around.origin), around, rattles, gap)
     state.positions = np.column_stack([place.z.real, place.z.imag])
     _refuse_overlaps(state, near.pairs[bearing], near.images[bearing], rounding, failed)
+
+
+def _bare(state: State) -> State:
+    """The state without its springs: where grains are is all that is asked."""
+    return replace(state, history=History())
 
 
 def _refuse_overlaps(
@@ -103,7 +108,7 @@ def _refuse_overlaps(
     failed: Callable[[str], Exception],
 ) -> None:
     """All pairs, found anew."""
-    around = find_neighbours(replace(state), 1e-3 * 2 * float(state.radii.mean()))
+    around = find_neighbours(_bare(state), 1e-3 * 2 * float(state.radii.mean()))
     overlap = around.sigma - np.abs(around.branches(state))
     known = {(*p, *m) for p, m in zip(pairs.tolist(), images.tolist(), strict=True)}
     for e in np.flatnonzero(overlap > rounding):

@@ -24,7 +24,9 @@ PACKAGES = ("scaling", "dem", "packing", "doubledouble")
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
     """(names, metadata) of the wheel, built from a copy of the tree."""
-    pytest.importorskip("setuptools", minversion="77", reason="setuptools < 77 builds no wheel")
+    pytest.importorskip(
+        "setuptools", minversion="77.0.3", reason="an older setuptools builds no wheel"
+    )
     folder = tmp_path_factory.mktemp("wheel")
     heavy = ignore_patterns(".*", "build", "figures", "notebooks", "*.egg-info", "__pycache__")
     copytree(ROOT, folder / "tree", ignore=heavy)

@@ -32,8 +32,12 @@ def test_ten_lines_run_and_the_prediction_holds(capsys):
 
 
 def test_commands_exist():
-    targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
-    assert set(re.findall(r"(?:`|^    )make (\w+)", README, re.MULTILINE)) <= targets
+    targets = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    named = set(re.findall(r"(?:`|^    )make ([\w-]+)", README, re.MULTILINE))
+    assert named <= targets
+    assert {"test-lowest", "nightly", "mutation"} <= named
+    (block,) = re.findall(r"## Two commands\n.*?\n\n((?:    make [^\n]*\n)+)", README, re.DOTALL)
+    assert len(block.splitlines()) == 2
     assert "make test" in (ROOT / ".ci" / "run").read_text()
 
 

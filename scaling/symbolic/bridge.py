@@ -8,7 +8,7 @@ Everything else in `scaling.symbolic` is exact; everything else in `scaling` nev
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -16,8 +16,11 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from packing.arrays import real_array
+from packing.numbers import finite_number, flag, number_between
 from scaling import ContactNetwork
 from scaling.symbolic import perturbation
+from scaling.symbolic.arguments import a_network, a_noise, assignments, checked
 from scaling.symbolic.equilibrium import balance_matrix
 from scaling.symbolic.gain import noise_map
 from scaling.symbolic.network import SymbolicNetwork
@@ -25,6 +28,7 @@ from scaling.symbolic.network import SymbolicNetwork
 Array = NDArray[np.float64]
 
 
+@checked(network=a_network, values=assignments)
 def values_of(
     network: SymbolicNetwork, values: Mapping[sp.Symbol, Any] | None = None
 ) -> dict[sp.Symbol, Any]:
@@ -33,9 +37,10 @@ def values_of(
     foreign = [str(name) for name in values or {} if name not in network.sample]
     if foreign:
         raise ValueError(f"{network.name} has no free parameter {', '.join(foreign)}")
-    return {name: float(value) for name, value in chosen.items()}
+    return {name: finite_number(str(name), value) for name, value in chosen.items()}
 
 
+@checked(network=a_network, values=assignments)
 def evaluated(
     network: SymbolicNetwork, expr: Any, values: Mapping[sp.Symbol, Any] | None = None
 ) -> Any:
@@ -45,6 +50,7 @@ def evaluated(
     return np.asarray(result, dtype=float) if np.ndim(result) else float(result)
 
 
+@checked(network=a_network, frictional=flag, values=assignments)
 def matrices(
     network: SymbolicNetwork,
     frictional: bool = True,
@@ -56,6 +62,7 @@ def matrices(
     return M, Q, G
 
 
+@checked(network=a_network, frictional=flag, noise=a_noise, values=assignments)
 def gain(
     network: SymbolicNetwork,
     frictional: bool = True,
@@ -69,6 +76,7 @@ def gain(
     return float(np.linalg.norm(response) / np.sqrt(G.shape[1]))
 
 
+@checked(network=a_network, values=assignments)
 def contact_network(
     network: SymbolicNetwork, values: Mapping[sp.Symbol, Any] | None = None
 ) -> ContactNetwork:
@@ -94,20 +102,62 @@ def contact_network(
 def contact_block() -> Callable[..., Any]:
     """(n_x, n_y) ↦ the 6 × 2 block of M for one contact: rows x_i x_j y_i y_j τ_i τ_j."""
     nx, ny = sp.symbols("n_x n_y", real=True)
-    return sp.lambdify([nx, ny], balance_matrix(2, [(0, 1)], [(nx, ny)]).tolist(), "numpy")
+    return _function([nx, ny], balance_matrix(2, [(0, 1)], [(nx, ny)]).tolist())
 
 
 @cache
 def expansion() -> Callable[..., Any]:
     """(r, u_n, u_t) ↦ ((δr, n·δn, t·δn) at first order, the same at second order)."""
     p = perturbation
-    return sp.lambdify([p.distance, p.along, p.across], p.contact_expansion(), "numpy")
+    return _function([p.distance, p.along, p.across], p.contact_expansion())
+
+
+def law(exponent: float) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
+    """y ↦ f̂ = sign(y)|y|^α and its slope α|y|^(α-1), y = δ/Δ; inverse of `signed_overlap`.
+
+    ValueError: α not above 0 and up to 100, and of the functions a y at which they are infinite.
+    """
+    number_between("exponent", exponent, 0, 100)
+    return _law(exponent if isinstance(exponent, sp.Expr) else sp.nsimplify(float(exponent)))
 
 
 @cache
-def law(exponent: float) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
-    """y ↦ f̂ = sign(y)|y|^α and its slope α|y|^(α-1), y = δ/Δ; inverse of `signed_overlap`."""
+def _law(alpha: sp.Expr) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
     y = sp.Symbol("y", real=True)
-    alpha = sp.nsimplify(exponent)
     size = sp.Abs(y)
-    return sp.lambdify(y, sp.sign(y) * size**alpha), sp.lambdify(y, alpha * size ** (alpha - 1))
+    return _function([y], sp.sign(y) * size**alpha), _function([y], alpha * size ** (alpha - 1))
+
+
+def _function(symbols: Sequence[sp.Symbol], expressions: Any) -> Callable[..., Any]:
+    """Expressions, nested in lists or tuples, as functions of arrays.
+
+    Every result has the shape of the arguments together, those of constants too. ValueError: an
+    argument that is no array of numbers, or at which a result is not finite.
+    """
+    lambdified = sp.lambdify(symbols, expressions, "numpy")
+    names = [str(symbol) for symbol in symbols]
+
+    def evaluate(*values: Any) -> Any:
+        if len(values) != len(names):
+            raise ValueError(f"{len(values)} arguments, expected {', '.join(names)}")
+        arrays = [real_array(name, value) for name, value in zip(names, values, strict=True)]
+        shapes = [array.shape for array in arrays]
+        try:
+            shape = np.broadcast_shapes(*shapes)
+        except ValueError:
+            raise ValueError(f"{', '.join(names)} have the shapes {shapes}") from None
+
+        def filled(result: Any) -> Any:
+            if isinstance(result, list | tuple):
+                return type(result)(filled(each) for each in result)
+            whole = np.array(np.broadcast_to(np.asarray(result, dtype=float), shape))
+            wrong = np.argwhere(~np.isfinite(whole))
+            if len(wrong):
+                at = [np.broadcast_to(array, shape)[tuple(wrong[0])] for array in arrays]
+                raise ValueError(f"{', '.join(names)} = {at}: the result is not finite")
+            return whole
+
+        with np.errstate(all="ignore"):
+            return filled(lambdified(*arrays))
+
+    return evaluate

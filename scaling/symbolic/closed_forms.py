@@ -7,12 +7,12 @@ translations are checked by translating back.
 
 from __future__ import annotations
 
-from functools import cache
-
 import sympy as sp
 from sympy import QQ, Expr, Symbol
 from sympy.polys.rings import PolyElement, ring
 
+from packing.numbers import flag
+from scaling.symbolic.arguments import checked_once
 from scaling.symbolic.gain import squared_gain
 from scaling.symbolic.networks import bowtie, rhombus, square, triangle, u, v
 
@@ -116,25 +116,25 @@ def _symmetrised_ratio(ratio: Expr) -> Expr:
     return sp.factor(top / bottom)
 
 
-@cache
+@checked_once(frictional=flag)
 def triangle_gain(frictional: bool = True) -> Expr:
     """K² of three touching grains in the elementary symmetric functions of their radii."""
     return in_radii(squared_gain(triangle(), frictional))
 
 
-@cache
+@checked_once(frictional=flag)
 def square_gain(frictional: bool = True) -> Expr:
     """K² of four equal grains in a ring, in s = sin φ of the corner angle."""
     return in_sine(squared_gain(square(), frictional))
 
 
-@cache
+@checked_once(frictional=flag)
 def rhombus_gain(frictional: bool = True) -> Expr:
     """K² of four grains with five contacts, in s = sin ψ = R_0/(R_0 + R_2)."""
     return in_sine(squared_gain(rhombus(), frictional))
 
 
-@cache
+@checked_once(frictional=flag)
 def bowtie_gain(frictional: bool = True) -> Expr:
     """K² of the straight bowtie, in s = sin ψ = R_1/(R_0 + R_1), grain 0 the shared one."""
     return in_sine(squared_gain(bowtie(), frictional))

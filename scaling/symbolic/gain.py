@@ -11,7 +11,6 @@ one field: QQ(u, v) for free angles, QQ(tan π/n) for regular polygons.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import sympy as sp
@@ -19,16 +18,20 @@ from sympy import Expr, Matrix
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
+from packing.numbers import flag
+from scaling.symbolic.arguments import a_network, a_noise, checked, checked_once, one_of
 from scaling.symbolic.closure import loop_vector
 from scaling.symbolic.field import ExactField
 from scaling.symbolic.network import SymbolicNetwork
 
 
+@checked(network=a_network, frictional=flag, matrix=one_of("G", "M", "Q"))
 def rank(network: SymbolicNetwork, frictional: bool = True, matrix: str = "G") -> int:
     """Return the exact generic rank of G (or of M, with matrix="M")."""
     return ExactField(network).matrix(_named(network, matrix, frictional)).rank()
 
 
+@checked(network=a_network, frictional=flag, matrix=one_of("G", "M", "Q"))
 def null_space(network: SymbolicNetwork, frictional: bool = True, matrix: str = "M") -> Matrix:
     """Exact null space, one column per vector: the force networks that need no load (M)."""
     exact = ExactField(network)
@@ -36,12 +39,14 @@ def null_space(network: SymbolicNetwork, frictional: bool = True, matrix: str = 
     return rows.to_Matrix().T if rows.shape[0] else sp.zeros(rows.shape[1], 0)
 
 
+@checked(network=a_network, frictional=flag)
 def pseudo_inverse(network: SymbolicNetwork, frictional: bool = True) -> Matrix:
     """G⁺ = (GᵀG)⁻¹Gᵀ, exact; refused when G does not have full column rank."""
     G = ExactField(network).matrix(network.G(frictional))
     return _solved(network, G.transpose() * G, G.transpose()).to_Matrix()
 
 
+@checked(network=a_network)
 def loop_gaps(network: SymbolicNetwork) -> Matrix:
     """Loop sums of the contact diameters, Q|σ⟩: exactly zero when the grains just touch."""
     exact = ExactField(network)
@@ -49,6 +54,7 @@ def loop_gaps(network: SymbolicNetwork) -> Matrix:
     return exact.matrix(Matrix(vectors)).to_Matrix()
 
 
+@checked(network=a_network, noise=a_noise)
 def noise_map(network: SymbolicNetwork, noise: str = "diameter") -> Matrix:
     """A: unit grain noise to δσ_e in units of ⟨σ⟩, (c, N); position noise: -∂r/∂x, (c, 2N)."""
     N = network.grains
@@ -59,8 +65,6 @@ def noise_map(network: SymbolicNetwork, noise: str = "diameter") -> Matrix:
         "radius": lambda grain: sp.S.One,
         "relative": lambda grain: sp.cancel(network.radii[grain] / mean),
     }
-    if noise != "position" and noise not in share:
-        raise ValueError(f"noise = {noise!r}: diameter, radius, relative or position")
     for e, (i, j) in enumerate(network.pairs):
         if noise == "position":
             for axis in (0, 1):
@@ -71,6 +75,7 @@ def noise_map(network: SymbolicNetwork, noise: str = "diameter") -> Matrix:
     return A
 
 
+@checked(network=a_network, frictional=flag, noise=a_noise)
 def response(
     network: SymbolicNetwork, frictional: bool = True, noise: str = "diameter"
 ) -> tuple[DomainMatrix, ExactField]:
@@ -82,7 +87,7 @@ def response(
     return _solved(network, G.transpose() * G, G.transpose() * padded.vstack(data)), exact
 
 
-@cache
+@checked_once(network=a_network, frictional=flag, noise=a_noise)
 def squared_gain(
     network: SymbolicNetwork, frictional: bool = True, noise: str = "diameter"
 ) -> Expr:
@@ -104,8 +109,6 @@ def _sum_of_squares(elements: list[Any], domain: Any) -> Any:
 
 
 def _named(network: SymbolicNetwork, matrix: str, frictional: bool) -> Matrix:
-    if matrix not in ("G", "M", "Q"):
-        raise ValueError(f"matrix = {matrix!r}: G, M or Q")
     if matrix == "Q":
         return network.Q
     return network.G(frictional) if matrix == "G" else network.M(frictional)

@@ -9,11 +9,11 @@ purely transverse self-stress, and there K² ~ 1/(1 - s) with friction, and only
 
 from __future__ import annotations
 
-from functools import cache
-
 import sympy as sp
 from sympy import Expr, Symbol
 
+from packing.numbers import flag
+from scaling.symbolic.arguments import checked_once
 from scaling.symbolic.closed_forms import bowtie_gain, rhombus_gain, sine, square_gain
 from scaling.symbolic.field import ExactField
 from scaling.symbolic.fourier import n, ring_squared_gain, theta
@@ -90,7 +90,7 @@ def table_of_limits() -> dict[str, tuple[Expr, Expr]]:
     return rows
 
 
-@cache
+@checked_once(frictional=flag)
 def large_ring(frictional: bool = True) -> Expr:
     """Leading term of K² for rings of many grains, n → ∞: the first power of 1/n that is there."""
     expr = ring_squared_gain(frictional).subs(theta, 2 * sp.pi * h).subs(n, 1 / h)

@@ -11,6 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from packing.arrays import real_array
+from packing.numbers import instance, number_from_zero, positive_number
 from scaling import ContactNetwork, force_equation
 from scaling.symbolic import bridge, perturbation
 
@@ -25,10 +27,9 @@ class Linearisation:
     """
 
     def __init__(self, network: ContactNetwork, forces: Array, stiffness: float) -> None:
-        c = network.contacts
-        if np.shape(forces) != (2 * c,):
-            raise ValueError(f"forces have shape {np.shape(forces)}: expected ({2 * c},)")
-        self.network, self.forces, self.stiffness = network, np.asarray(forces), stiffness
+        c = instance("network", network, ContactNetwork).contacts
+        self.network, self.stiffness = network, positive_number("stiffness", stiffness)
+        self.forces = real_array("forces", forces, (2 * c,), "component")
         self.incidence = network.loops.incidence.toarray()
         self.G = force_equation(network).G.toarray()
         self.inverse = np.linalg.inv(self.G.T @ self.G)
@@ -56,6 +57,7 @@ class Linearisation:
     def motion(self, d_positions: Array) -> tuple[Orders, Orders]:
         """First and second order of (r, n) when centres move by d_positions (N, 2)."""
         i, j = self.network.pairs.T
+        d_positions = real_array("d_positions", d_positions, (self.network.grains, 2), "grain")
         u = d_positions[j] - d_positions[i]
         n, t = self.network.normals, self.network.tangents
         orders = bridge.expansion()(self.network.distances, (u * n).sum(1), (u * t).sum(1))
@@ -65,6 +67,7 @@ class Linearisation:
 
     def orders(self, d_radii: Array, d_positions: Array) -> Orders:
         """f₁ and f₂ for one realisation of the noise."""
+        d_radii = real_array("d_radii", d_radii, (self.network.grains,), "grain")
         dr, dn = self.motion(d_positions)
         d_sigma = d_radii[self.network.pairs].sum(1)
         dM = (self.balance(dn[0]), self.balance(dn[1]))
@@ -79,6 +82,8 @@ class Linearisation:
     def error(self, d_radii: Array, d_positions: Array) -> Array:
         """f' - f = G'⁺ρ' without expansion; relative rounding error ~ eps cond(G)."""
         network = self.network
+        d_radii = real_array("d_radii", d_radii, (network.grains,), "grain")
+        d_positions = real_array("d_positions", d_positions, (network.grains, 2), "grain")
         i, j = network.pairs.T
         u = d_positions[j] - d_positions[i]
         r, n = network.distances, network.normals
@@ -99,7 +104,7 @@ class Linearisation:
         f₂ is a quadratic form in the noise, so its mean is the sum over unit noises.
         """
         N = self.network.grains
-        scale = xi * self.network.mean_diameter
+        scale = number_from_zero("xi", xi) * self.network.mean_diameter
         total = np.zeros(self.G.shape[1])
         still, fixed = np.zeros((N, 2)), np.zeros(N)
         if positions:

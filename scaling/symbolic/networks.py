@@ -17,6 +17,7 @@ from functools import cache
 import sympy as sp
 from sympy import Expr
 
+from scaling.symbolic.arguments import LARGEST, an_expression, checked_once, whole
 from scaling.symbolic.network import SymbolicNetwork, direction, rotated
 
 u, v, w = sp.symbols("u v w", positive=True)
@@ -70,10 +71,9 @@ def rhombus() -> SymbolicNetwork:
     )
 
 
-@cache
+@checked_once(n=whole(3, LARGEST))
 def ring(n: int) -> SymbolicNetwork:
     """n >= 3 equal grains around a regular polygon, one face of n contacts."""
-    _require(n)
     headings = [EAST]
     for _ in range(n - 1):
         headings.append(rotated(headings[-1], direction(u)))
@@ -89,10 +89,9 @@ def ring(n: int) -> SymbolicNetwork:
     )
 
 
-@cache
+@checked_once(n=whole(3, LARGEST))
 def wheel(n: int) -> SymbolicNetwork:
     """A hub (grain 0), n >= 3 rim grains touching it and each other: 2n contacts, n faces."""
-    _require(n)
     quarter = direction(u)  # u = tan(π/2n): the angle π/n, half a sector
     sector = rotated(quarter, quarter)
     spokes, rims = [EAST], [rotated(NORTH, quarter)]
@@ -117,7 +116,7 @@ def wheel(n: int) -> SymbolicNetwork:
     )
 
 
-@cache
+@checked_once(bend=an_expression)
 def bowtie(bend: Expr = ZERO) -> SymbolicNetwork:
     """Two isosceles triangles (0, 1, 2) and (0, 3, 4) sharing grain 0.
 
@@ -136,8 +135,3 @@ def bowtie(bend: Expr = ZERO) -> SymbolicNetwork:
         radii=(sp.Rational(1, 2) - outer, outer, outer, outer, outer),
         sample={u: sp.Rational(1, 4), **({w: sp.Rational(1, 3)} if bend == w else {})},
     )
-
-
-def _require(n: int) -> None:
-    if n < 3:
-        raise ValueError(f"n = {n}: a loop of grains needs at least three")

@@ -12,6 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from packing.arrays import real_array
+from packing.numbers import number_between, positive_number, whole_number
 from scaling.symbolic import bridge
 
 Array = NDArray[np.float64]
@@ -23,7 +25,8 @@ class NotConverged(ValueError):
 
 def linearised(M: Array, Q: Array, overlaps: Array, exponent: float) -> Array:
     """Jacobian [M_n α|y|^(α-1), M_t; Q, 0] of the residual at overlaps y (in Δ)."""
-    c = Q.shape[1]
+    M, Q, c = _matrices(M, Q)
+    overlaps = real_array("overlaps", overlaps, (c,), "contact")
     top = M.copy()
     top[:, :c] *= bridge.law(exponent)[1](overlaps)
     bottom = np.hstack([Q, np.zeros((Q.shape[0], M.shape[1] - c))])
@@ -35,7 +38,11 @@ def response(M: Array, Q: Array, forces: Array, exponent: float) -> Array:
 
     Newton's linearisation of closure, Q(f̂^(1/α - 1)/α δf̂) = Q δσ/Δ, solved with M δf̂ = 0.
     """
-    c = Q.shape[1]
+    M, Q, c = _matrices(M, Q)
+    number_between("exponent", exponent, 0, 100)
+    forces = real_array("forces", forces, None, "component")
+    if forces.ndim != 1 or forces.size < c:
+        raise ValueError(f"forces has shape {forces.shape}, expected ({M.shape[1]},) or ({c},)")
     if (forces[:c] <= 0).any():
         raise ValueError(f"contact {int(np.argmin(forces[:c]))} carries no compressive force")
     compliance = 1 / (exponent * forces[:c] ** (1 - 1 / exponent))
@@ -60,7 +67,11 @@ def reconstruct(
     `start` (unknowns,): forces to start from, not zero.  Gauss-Newton with step halving until
     the step is below `tolerance` relative to y; NotConverged after `steps`.
     """
-    c = Q.shape[1]
+    M, Q, c = _matrices(M, Q)
+    loads = real_array("loads", loads, (M.shape[0],), "row")
+    gaps = real_array("gaps", gaps, (Q.shape[0],), "row")
+    start = real_array("start", start, (M.shape[1],), "component")
+    steps, tolerance = whole_number("steps", steps, 1), positive_number("tolerance", tolerance)
     force, _ = bridge.law(exponent)
     y = np.sign(start[:c]) * np.abs(start[:c]) ** (1 / exponent)
     x = np.concatenate([y, start[c:]])
@@ -84,3 +95,12 @@ def reconstruct(
         if np.linalg.norm(step) < tolerance * np.linalg.norm(x):
             return np.concatenate([force(x[:c]), x[c:]])
     raise NotConverged(f"after {steps} steps the last step is {np.linalg.norm(step):.1e}")
+
+
+def _matrices(M: Array, Q: Array) -> tuple[Array, Array, int]:
+    """M, Q and the number of contacts."""
+    M, Q = real_array("M", M, (None, None), "row"), real_array("Q", Q, (None, None), "row")
+    c = Q.shape[1]
+    if c == 0 or M.shape[1] not in (c, 2 * c):
+        raise ValueError(f"M has {M.shape[1]} columns and Q {c}: expected as many, or twice")
+    return M, Q, c

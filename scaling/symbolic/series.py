@@ -14,10 +14,14 @@ contact opens.
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
+import numpy as np
 import sympy as sp
 from sympy import Expr, Matrix
 
+from packing.numbers import positive_number, shown
+from scaling.symbolic.arguments import checked, checked_once, whole
 from scaling.symbolic.gain import noise_map
 from scaling.symbolic.networks import triangle, u, v
 
@@ -46,9 +50,18 @@ def stationarity() -> tuple[Expr, Expr]:
     return first, third
 
 
+def _complex(name: str, value: Any) -> complex:
+    if isinstance(value, bool) or not isinstance(value, int | float | complex | np.number):
+        raise ValueError(f"{name} = {shown(value)} is not a number")
+    if not np.isfinite(value):
+        raise ValueError(f"{name} = {value} is not finite")
+    return complex(value)
+
+
 Point = tuple[complex, complex, complex]  # ζ, w_0, w_1
 
 
+@checked(digits=whole(5, 200))
 def branch_points(digits: int = 18) -> list[Point]:
     """Points of the complex solution curve at which the Hessian is singular, nearest first.
 
@@ -69,6 +82,7 @@ def branch_points(digits: int = 18) -> list[Point]:
     return sorted(found, key=lambda point: abs(point[0]))
 
 
+@checked(target=_complex, steps=whole(1, 10**6))
 def continued(target: complex, steps: int = 120) -> tuple[complex, complex]:
     """(w_0, w_1) reached from (1, 1) along the straight ray from ζ = 0 to the target.
 
@@ -100,6 +114,7 @@ def _at(terms: Terms, x: complex, y: complex, z: complex) -> complex:
     return sum((f * x**a * y**b * z**c for f, a, b, c in terms), 0j)
 
 
+@checked(tolerance=positive_number)
 def nearest_singularity(tolerance: float = 3e-2) -> complex:
     """Return the branch point that limits the series: the nearest one on the sheet of ζ = 0."""
     for z, x, y in branch_points():
@@ -109,7 +124,7 @@ def nearest_singularity(tolerance: float = 3e-2) -> complex:
     raise ArithmeticError("no branch point on the sheet of ζ = 0")
 
 
-@cache
+@checked_once(order=whole(1, 200))
 def coefficients(order: int) -> tuple[tuple[Expr, ...], tuple[Expr, ...]]:
     """Taylor coefficients of w_0(ζ) and w_1(ζ) about ζ = 0, rational, up to ζ^order.
 
@@ -144,6 +159,7 @@ def _coefficient(equation: sp.Poly, series: list[list[Expr]], k: int) -> Expr:
     return total
 
 
+@checked(order=whole(2, 200))
 def radius(order: int = 24) -> float:
     """Radius of convergence estimated from the coefficients of w_0(ζ).
 

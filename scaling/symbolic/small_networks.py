@@ -8,9 +8,14 @@ from dataclasses import dataclass
 import sympy as sp
 from sympy import Expr
 
+from packing.numbers import flag
+from scaling.symbolic.arguments import a_network, checked, whole
 from scaling.symbolic.gain import rank, squared_gain
 from scaling.symbolic.network import SymbolicNetwork
 from scaling.symbolic.networks import bowtie, rhombus, ring, square, triangle, wheel
+
+MOST = 24
+"""Grains of the largest ring of the table: exact gains of larger ones take hours."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,7 @@ class Row:
     value: float
 
 
+@checked(network=a_network, frictional=flag)
 def row(network: SymbolicNetwork, frictional: bool) -> Row:
     """Return the table row of one network."""
     G = network.G(frictional)
@@ -64,6 +70,7 @@ def small_networks(largest: int = 8) -> Iterator[SymbolicNetwork]:
     yield from (wheel(n) for n in range(3, min(largest, 6) + 1))
 
 
+@checked(largest=whole(3, MOST))
 def table(largest: int = 8) -> tuple[Row, ...]:
     """Rows for all small networks, without and with friction; seconds."""
     return tuple(

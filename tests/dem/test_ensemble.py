@@ -154,9 +154,9 @@ def test_stored_info_that_is_no_object_does_not_stop_a_resume(expected, tmp_path
 
 def test_one_failure_does_not_lose_the_others(tmp_path):
     """The failing scene is named at the end, when the rest is in the store."""
-    scenes = [Scene(24, 1e-1), Scene(3, 1e-1), Scene(24, 1e-1)]
+    scenes = [Scene(24, 1e-1), Scene(3, 1e-1, polydispersity=0.9), Scene(24, 1e-1)]
     for folder, executor in ((tmp_path / "here", None), (tmp_path / "there", Counting())):
-        with pytest.raises(ValueError, match="less than twice the range") as caught:
+        with pytest.raises(ValueError, match="times its largest grain") as caught:
             relax_ensemble(
                 scenes, SEEDS, executor=executor, store=folder, settings=SETTINGS, progress=False
             )
@@ -272,10 +272,10 @@ def test_key_is_that_of_the_present_algorithm(monkeypatch):
     """Scene, seed, settings, backend and the number of the algorithm, on any machine: a change of
     what ``relax`` returns must change the number, and with it the names of stored packings."""
     scene, plain = Scene(48, 1e-3), Settings(backend="numpy")
-    assert ensemble.ALGORITHM == 5
-    assert packing_key(scene, 1, plain) == "f4f1faee21e34ca215576ffe"
-    monkeypatch.setattr(ensemble, "ALGORITHM", 4)
-    assert packing_key(scene, 1, plain) != "f4f1faee21e34ca215576ffe"
+    assert ensemble.ALGORITHM == 6
+    assert packing_key(scene, 1, plain) == "1e2ff841a108252ba7fc8889"
+    monkeypatch.setattr(ensemble, "ALGORITHM", 5)
+    assert packing_key(scene, 1, plain) != "1e2ff841a108252ba7fc8889"
 
 
 def test_settings_of_equal_value_have_one_key():

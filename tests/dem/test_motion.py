@@ -10,7 +10,6 @@ import pytest
 
 from dem import ContactLaw, Drive, History, State, step
 from dem.law import stable_time_step
-from dem.neighbours import find_neighbours
 from tests.dem.gases import dense_gas, pressed
 
 EPS = np.finfo(float).eps
@@ -169,16 +168,6 @@ def test_frictionless_motion_forgets_a_history(backend):
     state = State(at, np.full(4, 0.5), history=old)
     step(state, ContactLaw(friction=0.0), 1e-3, backend=backend)
     assert len(state.history.pairs) == 0
-
-
-def test_history_of_another_image_is_forgotten():
-    for image, kept in ((-1, 0.01), (0, 0.0)):
-        old = History(np.array([[0, 1]]), np.array([[image, 0]]), np.array([0.01]))
-        state = State(
-            np.array([[0.2, 5.0], [9.3, 5.0]]), np.full(2, 0.5),
-            cell=np.diag([10.0, 10.0]), history=old,
-        )  # fmt: skip
-        assert find_neighbours(state, 0.2).elongation.tolist() == [kept]
 
 
 def test_law_changed_between_steps_is_the_law_used(backend):

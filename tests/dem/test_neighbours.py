@@ -127,13 +127,23 @@ def test_contact_across_the_cell_face(backend):
 
 
 def test_narrow_cell_is_refused():
-    state = State(np.array([[0.5, 0.5], [1.2, 0.5]]), np.full(2, 0.5), cell=np.diag([2.0, 5.0]))
-    narrow = r"cell is 2 wide \(along x\), less than twice .*diameter 1 and skin 0\.3\)"
+    state = State(np.array([[0.5, 0.5], [1.2, 0.5]]), np.full(2, 0.5), cell=np.diag([0.7, 5.0]))
+    narrow = r"cell is 0\.7 wide \(along x\), less than 0\.75 of its largest grain \(diameter 1\)"
     with pytest.raises(ValueError, match=narrow):
         step(state, ContactLaw(), 0.1)
-    flat = replace(state, positions=state.positions[:, ::-1], cell=np.diag([5.0, 2.0]))
-    with pytest.raises(ValueError, match=r"cell is 2 high \(along y\).* skin 0\.7\)"):
-        step(flat, ContactLaw(), 0.1, skin=0.7)
+    flat = replace(state, positions=state.positions[:, ::-1], cell=np.diag([5.0, 0.8]))
+    with pytest.raises(ValueError, match=r"skin = 2\.3: the cell is 0\.8 high \(along y\)"):
+        step(flat, ContactLaw(), 0.1, skin=2.3)
+    step(flat, ContactLaw(), 0.1, skin=0.3)
+
+
+def test_a_list_that_would_fill_the_memory_is_refused():
+    """10 000 grains all in reach of each other are 5e7 pairs; of neighbours alone, few."""
+    rng = np.random.default_rng(1)
+    state = State(rng.uniform(0, 100, (10_000, 2)), np.full(10_000, 0.1))
+    with pytest.raises(ValueError, match=r"skin = 1000: \d+ pairs of 10000 grains"):
+        step(state, ContactLaw(), 1e-3, skin=1000.0)
+    step(state, ContactLaw(), 1e-3, skin=1.0, backend="numpy")
 
 
 def test_large_packings_are_numbered_along_strips():

@@ -9,7 +9,7 @@ import sympy as sp
 
 import doubledouble as dd
 from scaling import symbolic
-from scaling.symbolic import bridge, closure, dimensions, equilibrium, newton
+from scaling.symbolic import bridge, newton
 from tests.fuzz.calls import Call
 
 Rng = np.random.Generator
@@ -84,4 +84,3 @@ EXACT: tuple[Call, ...] = (
     Call("segment_sums", dd.segment_sums,
          lambda g: {"terms": dd.DoubleDouble.of(g.random(5)), "starts": np.array([0, 2, 5])}, 0.5),
 )  # fmt: skip
-_ = closure, dimensions, equilibrium

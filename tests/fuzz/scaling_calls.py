@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -134,7 +135,7 @@ def _record_with(**changes: Any) -> Any:
     """A foreign packing with some of its fields replaced."""
     rest = {k: v for k, v in changes.items() if k != "packing"}
     record = copy.copy(changes["packing"])
-    if hasattr(record, "__dict__"):
+    if isinstance(record, SimpleNamespace):
         vars(record).update(rest)
     return record
 

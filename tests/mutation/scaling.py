@@ -50,8 +50,8 @@ SCALING = (
     Mutation(
         "mean force: f_t left out",
         "scaling/error.py",
-        "np.hypot(normal, tangential).mean()",
-        "np.abs(normal).mean()",
+        "np.hypot(*f.reshape(2, -1)).mean()",
+        "np.abs(f.reshape(2, -1)[0]).mean()",
         STRESS,
     ),
     Mutation(

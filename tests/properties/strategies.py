@@ -15,6 +15,8 @@ from tests.conftest import packing
 from tests.scaling.networks import Truth, loaded
 
 DELTAS = (1e-2, 1e-1, 1e-3, 1e-4, 1e-5)
+GRAINS, SEEDS = (20, 26, 36, 48), 5
+FRICTIONS, SPREADS = (0.3, 0.0, 0.1, 1.0), (0.3, 0.1, 0.2, 0.4)
 seeds = st.integers(0, 2**32 - 1)
 size_noises = st.sampled_from(["diameter", "radius", "relative"])
 
@@ -23,10 +25,10 @@ size_noises = st.sampled_from(["diameter", "radius", "relative"])
 def scenes(draw: st.DrawFn) -> dict:
     """Grain number, friction, polydispersity and seed of a small packing; Δ apart."""
     return {
-        "grains": draw(st.sampled_from([20, 26, 36, 48])),
-        "friction": draw(st.sampled_from([0.3, 0.0, 0.1, 1.0])),
-        "polydispersity": draw(st.sampled_from([0.3, 0.1, 0.2, 0.4])),
-        "seed": draw(st.integers(0, 4)),
+        "grains": draw(st.sampled_from(GRAINS)),
+        "friction": draw(st.sampled_from(FRICTIONS)),
+        "polydispersity": draw(st.sampled_from(SPREADS)),
+        "seed": draw(st.integers(0, SEEDS - 1)),
     }
 
 

@@ -7,6 +7,8 @@ the same errors against ξ alone.
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings, target
@@ -26,7 +28,18 @@ from scaling import (
 from scaling.sources import sources
 from tests.chi_squares import log_tail
 from tests.conftest import packing
-from tests.properties.strategies import clusters, packings, scenes, seeds, size_noises
+from tests.properties.strategies import (
+    DELTAS,
+    FRICTIONS,
+    GRAINS,
+    SEEDS,
+    SPREADS,
+    clusters,
+    packings,
+    scenes,
+    seeds,
+    size_noises,
+)
 from tests.scaling.networks import Truth
 
 EPS = np.finfo(float).eps
@@ -190,6 +203,27 @@ def test_prefactor_is_of_order_one_where_the_condition_is_bounded(scene, deltas)
     assert C.max() < 1.3
     assert C.max() / C.min() < 4.5
     assert max(C / deltas) / min(C / deltas) > 1000 / 4.5
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("friction", FRICTIONS)
+def test_prefactors_of_all_packings(friction):
+    """The numbers above, on every packing that the strategies can draw: 1600, minutes."""
+    tame, total = 0, 0
+    for grains, spread, seed in product(GRAINS, SPREADS, range(SEEDS)):
+        prefactors = []
+        for delta in DELTAS:
+            p = packing(grains, delta, friction, spread, seed)
+            low, high = bounds_of_the_prefactor(p)
+            C, total = amplification_of(p), total + 1
+            assert low <= C <= high
+            if condition_of(p) <= 30:
+                prefactors.append(C)
+        tame += len(prefactors)
+        if prefactors:
+            assert min(prefactors) > 0.15
+            assert max(prefactors) < min(1.3, 4.5 * min(prefactors))
+    assert tame > 0.7 * total
 
 
 @pytest.mark.parametrize("scene", [NEARLY_CRYSTAL, {"grains": 48}], ids=["soft", "usual"])
