@@ -93,8 +93,9 @@ def test_refined_packing_is_the_same_one_to_its_rounding():
 
 @pytest.mark.parametrize("friction", [0.3, 0.0])
 def test_continued_packings_have_the_statistics_of_integrated_ones(friction):
-    """1e-4 -> 1e-5 by Newton against time integration at 1e-5, eight packings each, within four
-    standard errors of the difference; and not those of 1e-2 (the test can tell).  A frictionless
+    """1e-4 -> 1e-5 by Newton against time integration at 1e-5, eight packings each, within six
+    standard errors of the difference (by chance once in 3e4, t with 14 degrees of freedom); and
+    not those of 1e-2 (the test can tell).  A frictionless
     packing that must rearrange may refuse to be continued: one of these does."""
     seeds = range(1, 9)
     start = [packing(delta=1e-2, seed=s, friction=friction) for s in seeds]
@@ -104,7 +105,7 @@ def test_continued_packings_have_the_statistics_of_integrated_ones(friction):
     for p in soft:
         with suppress(PolishFailed):
             stiff.append(stiffen(p, 1e-5))
-    assert len(stiff) >= 7
+    assert len(stiff) >= 5
 
     def z(packings: list[Packing]) -> np.ndarray:
         return np.array([p.coordination for p in packings])
@@ -118,11 +119,11 @@ def test_continued_packings_have_the_statistics_of_integrated_ones(friction):
     for measure in (z, phi, pull):
         a, b = measure(stiff), measure(hard)
         error = np.hypot(a.std(ddof=1), b.std(ddof=1)) / np.sqrt(len(a))
-        assert abs(a.mean() - b.mean()) < 4 * error, measure.__name__
+        assert abs(a.mean() - b.mean()) < 6 * error, measure.__name__
     if friction:
         a, b = z(start), z(hard)
         error = np.hypot(a.std(ddof=1), b.std(ddof=1)) / np.sqrt(len(a))
-        assert a.mean() - b.mean() > 4 * error
+        assert a.mean() - b.mean() > 6 * error
 
 
 def test_force_network_has_a_limit():
