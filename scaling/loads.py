@@ -8,11 +8,8 @@ at rest, wᵀM = 0. These motions are
                   arms are R_i. On a torus, and for a ribbon, there is none
     mechanisms    a grain that dangles on one contact, a chain that bends, and the like
 
-The first is checked to the digits of the data, the second to Σ|f_t| δ, estimated by
-Σ (|x||F| + |T|) δ/σ, with what noisy positions add to it. For the third the loads are projected
-on the range of M, min |M f + F| over f (LSMR, products with M only): what is left of them must
-be explained by directions that are off by δ/σ, which exact data satisfy easily and data with
-noise of any size do as well, since noise widens the overlaps.
+The first is checked here to the digits of the data, the second to Σ|f_t| δ, estimated by
+Σ (|x||F| + |T|) δ/σ, with what noisy positions add to it; the third by `scaling.mechanisms`.
 
 Digits of the data: half of those of doubles, which is more than simulations at rest keep; fewer
 where the loads, the forces that they come from, or the coordinates are rounded.
@@ -34,6 +31,7 @@ from scaling.resolution import (
     rounding_steps,
     significant_digits,
 )
+from scaling.strain import strain_of
 
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork
