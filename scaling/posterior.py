@@ -19,7 +19,8 @@ from packing.numbers import (
     positive_number,
 )
 from scaling.equation import ForceEquation, force_equation
-from scaling.loads import refuse_mechanisms, refuse_unbalanced
+from scaling.loads import refuse_unbalanced
+from scaling.mechanisms import refuse_mechanisms
 from scaling.network import ContactNetwork
 from scaling.plausibility import refuse_deep_overlaps
 from scaling.sources import Sources

@@ -39,7 +39,8 @@ from scaling.balanced import balanced_forces
 from scaling.bounded import bounded_maximum
 from scaling.equation import ForceEquation, force_equation
 from scaling.evidence import NotAccurate, Solved
-from scaling.loads import refuse_mechanisms, refuse_unbalanced
+from scaling.loads import refuse_unbalanced
+from scaling.mechanisms import refuse_mechanisms
 from scaling.misfit import misfit_of_bounded, misfit_of_optimal, warn_if_implausible
 from scaling.network import ContactNetwork
 from scaling.noise import NOISE

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaling import ContactNetwork, force_equation, perturb, reconstruct, relative_error
-from scaling.loads import refuse_mechanisms, refuse_unbalanced
+from scaling.loads import refuse_unbalanced
+from scaling.mechanisms import refuse_mechanisms
 from tests.conftest import packing
 from tests.properties.strategies import clusters
 from tests.scaling.networks import loaded, triangle
