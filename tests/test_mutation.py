@@ -27,7 +27,7 @@ def test_every_mutation_is_found_in_the_code():
     check(ALL, ROOT)
     assert len(ALL) >= 50
     for package in ("scaling/", "dem/", "scaling/symbolic/"):
-        assert sum(m.file.startswith(package) for m in ALL) >= 8
+        assert sum(m.file.startswith(package) for m in ALL) >= 7
 
 
 def test_the_noticed_and_the_unnoticed_are_told_apart(tree, capsys):

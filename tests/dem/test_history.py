@@ -19,7 +19,7 @@ EPS = np.finfo(float).eps
 def sheared_gas(seed: int) -> State:
     """A dense gas whose contacts have stretched their springs."""
     state = dense_gas(seed)
-    return step(state, ContactLaw(), 0.05, drive=pressed(1e-2), steps=100, backend="numpy")
+    return step(state, ContactLaw(), 0.05, drive=pressed(0.1), steps=100, backend="numpy")
 
 
 @given(seed=st.integers(0, 3), turns=st.integers(0, 10**6))
@@ -32,7 +32,7 @@ def test_wrapping_grains_changes_no_motion(seed, turns):
     control = replace(wrapped, history=History())
     cell = state.cell.copy()
     for s in (state, wrapped, control):
-        step(s, ContactLaw(), 0.05, drive=pressed(1e-2), steps=20, backend="numpy")
+        step(s, ContactLaw(), 0.05, drive=pressed(0.1), steps=20, backend="numpy")
     back = [s.positions - shift * np.diag(s.cell) for s in (wrapped, control)]
     tolerance = 1e4 * EPS * 6 * cell.max()
     assert np.abs(back[0] - state.positions).max() <= tolerance

@@ -30,7 +30,7 @@ def moving(dashpot: float, backend: str, precision: str, friction: float = 0.3):
 
     def go(state: State, steps: int) -> State:
         return step(
-            state, law, 0.05, drive=pressed(1e-2), steps=steps, skin=0.2, backend=backend,
+            state, law, 0.05, drive=pressed(0.1), steps=steps, skin=0.2, backend=backend,
             precision=precision,
         )  # fmt: skip
 
