@@ -649,8 +649,8 @@ def test_failures_are_counted_by_the_bar(monkeypatch):
     monkeypatch.setattr(sys, "stderr", StringIO())
     with pytest.raises(ValueError, match="times its largest grain"):
         relax_ensemble(
-            [Scene(3, 1e-1, polydispersity=0.9), SCENES[1]], [1, 2], executor=Counting(), settings=SETTINGS,
-            progress=True,
+            [Scene(3, 1e-1, polydispersity=0.9), SCENES[1]], [1, 2], executor=Counting(),
+            settings=SETTINGS, progress=True,
         )  # fmt: skip
     assert (counts[0].n, counts[0].total) == (2, 2)
 
