@@ -7,7 +7,6 @@ it is moved off: within its cage this costs nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol, Self, TypeVar
 
@@ -17,10 +16,15 @@ from dem.neighbours import Neighbours, find_neighbours
 from dem.state import Floats, History, State
 
 SWEEPS = 300
-#: Grains are pushed until they are this far apart, in Δ, or in mean diameters if that is less.
-GAP, WIDEST_GAP = 1.0, 0.01
+#: Grains are pushed until they are Δ apart, or so many mean diameters if that is less; in a narrow
+#: cage by these parts of it.  Damped, since neighbours on one side push twice.
+WIDEST_GAP, GAPS, DAMPING = 0.01, (1.0, 0.1, 0.01, 0.001), 0.5
 #: What remains may be rounding: overlaps of so many ε L.
 ROUNDING = 10
+
+
+class NoRoom(ArithmeticError):
+    """A grain that bears nothing has no place without an overlap: it is no rattler."""
 
 
 class Movable(Protocol):
@@ -36,10 +40,10 @@ class Movable(Protocol):
 M = TypeVar("M", bound=Movable)
 
 
-def evict(place: M, near: Neighbours, rattles: np.ndarray, gap: float) -> M:
+def evict(place: M, near: Neighbours, rattles: np.ndarray, gap: float, damping: float = 1.0) -> M:
     """Push rattlers off their neighbours by ``gap``, as far as their cages let them."""
     i, j = near.columns
-    push_i, push_j = rattles[i] * 1.0, rattles[j] * 1.0
+    push_i, push_j = rattles[i] * damping, rattles[j] * damping
     touches = rattles[i] | rattles[j]
     share = 0.5 * (1 + (rattles[i] ^ rattles[j]))
     for _ in range(SWEEPS):
@@ -53,6 +57,29 @@ def evict(place: M, near: Neighbours, rattles: np.ndarray, gap: float) -> M:
         np.add.at(u, j, push_j * move)
         place = place.moved(u, 0.0)
     return place
+
+
+def freed(place: M, near: Neighbours, bearing: np.ndarray, gap: float, rounding: float) -> M:
+    """``place`` with rattlers moved until only ``bearing`` pairs of the list overlap.
+
+    Nothing is touched where that is so already.  Raises NoRoom when a cage is too narrow even for
+    a small part of the ``gap``.
+    """
+
+    def unlisted(there: M) -> Floats:
+        return np.where(bearing, 0.0, there.branches(near)[1])
+
+    if not np.any(unlisted(place) > rounding):
+        return place
+    rattles = np.ones(near.incidence.shape[0], bool)
+    rattles[near.pairs[bearing]] = False
+    for part in GAPS:
+        there = evict(place, near, rattles, part * gap, DAMPING)
+        overlap = unlisted(there)
+        if overlap.max() <= rounding:
+            return there
+    i, j = near.pairs[np.argmax(overlap)].tolist()
+    raise NoRoom(f"grains {i} and {j} overlap by {overlap.max():.3g}, and bear nothing")
 
 
 @dataclass(frozen=True)
@@ -70,48 +97,25 @@ class _Centres:
         return _Centres(self.z * (1 + strain) + displacement)
 
 
-def free_rattlers(
-    state: State,
-    near: Neighbours,
-    bearing: np.ndarray,
-    delta: float,
-    failed: Callable[[str], Exception],
-) -> None:
+def free_rattlers(state: State, near: Neighbours, bearing: np.ndarray, delta: float) -> None:
     """Move the rattlers of ``state`` until only pairs that are ``bearing`` overlap.
 
-    Nothing is touched where that is so already.  Raises what ``failed`` makes of a message when a
-    rattler has no room.
+    Nothing is touched where that is so already; NoRoom when a rattler has none.
     """
     rounding = ROUNDING * np.finfo(float).eps * float(np.ptp(state.positions) + 1)
     if not np.any(near.sigma[~bearing] - np.abs(near.branches(state)[~bearing]) > rounding):
         return
     size = 2 * float(state.radii.mean())
-    gap = min(GAP * delta, WIDEST_GAP) * size
-    rattles = np.ones(len(state.radii), bool)
-    rattles[near.pairs[bearing]] = False
-    around = find_neighbours(_bare(state), 0.1 * size)
-    place = evict(_Centres(around.origin), around, rattles, gap)
+    around = find_neighbours(replace(state, history=History()), 0.1 * size)
+    known = {(*p, *m) for p, m in zip(*_listed(near, bearing), strict=True)}
+    everything = np.ones(len(around.pairs), bool)
+    still = np.array(
+        [(*p, *m) in known for p, m in zip(*_listed(around, everything), strict=True)]
+    )
+    gap = min(delta, WIDEST_GAP) * size
+    place = freed(_Centres(around.origin), around, still, gap, rounding)
     state.positions = np.column_stack([place.z.real, place.z.imag])
-    _refuse_overlaps(state, near.pairs[bearing], near.images[bearing], rounding, failed)
 
 
-def _bare(state: State) -> State:
-    """The state without its springs: where grains are is all that is asked."""
-    return replace(state, history=History())
-
-
-def _refuse_overlaps(
-    state: State,
-    pairs: np.ndarray,
-    images: np.ndarray,
-    rounding: float,
-    failed: Callable[[str], Exception],
-) -> None:
-    """All pairs, found anew."""
-    around = find_neighbours(_bare(state), 1e-3 * 2 * float(state.radii.mean()))
-    overlap = around.sigma - np.abs(around.branches(state))
-    known = {(*p, *m) for p, m in zip(pairs.tolist(), images.tolist(), strict=True)}
-    for e in np.flatnonzero(overlap > rounding):
-        i, j = around.pairs[e].tolist()
-        if (i, j, *around.images[e].tolist()) not in known:
-            raise failed(f"grains {i} and {j} overlap by {overlap[e]:.3g}, and bear nothing")
+def _listed(near: Neighbours, which: np.ndarray) -> tuple[list, list]:
+    return near.pairs[which].tolist(), near.images[which].tolist()

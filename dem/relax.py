@@ -23,7 +23,7 @@ from dem.neighbours import Neighbours
 from dem.packing import Packing
 from dem.polish import PolishFailed, polish
 from dem.progress import RestBar
-from dem.rattlers import free_rattlers
+from dem.rattlers import NoRoom, free_rattlers
 from dem.rest import Rest, rest_as_is
 from dem.scene import Scene
 from dem.settings import Settings
@@ -273,14 +273,23 @@ def _settle(
     if not settings.polish:
         rest = rest_as_is(state, near, law)
         refuse_missed_contacts(state, near)
-        free_rattlers(state, near, rest.bearing, scene.delta, NotRight)
+        _free(state, near, rest, scene, NotRight)
         return near, rest
     rest = polish(state, near, law, scene.pressure, settings.residual_tolerance)
     if rest.residual > settings.residual_tolerance:
         raise PolishFailed(f"residual {rest.residual:.2e} p")
     refuse_missed_contacts(state, near)
-    free_rattlers(state, near, rest.bearing, scene.delta, PolishFailed)
+    _free(state, near, rest, scene, PolishFailed)
     return near, rest
+
+
+def _free(
+    state: State, near: Neighbours, rest: Rest, scene: Scene, failed: type[ArithmeticError]
+) -> None:
+    try:
+        free_rattlers(state, near, rest.bearing, scene.delta)
+    except NoRoom as tight:
+        raise failed(str(tight)) from tight
 
 
 def _packing(

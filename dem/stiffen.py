@@ -32,7 +32,7 @@ from dem.packing import Packing
 from dem.polish import PolishFailed, newton
 from dem.precise import Place, PreciseEquilibrium
 from dem.progress import PressureBar
-from dem.rattlers import ROUNDING, evict
+from dem.rattlers import ROUNDING, NoRoom, evict, freed
 from dem.rest import backbone, fewest_contacts
 from dem.resume import check_resumable, origin, power_of_two, recorded_ratio, rescaled
 from dem.scene import check_smallest_delta
@@ -124,14 +124,12 @@ def _continued(packing: Packing, delta: float, ratio: float, progress: bool | No
             p, factor = q, min(factor**2, LONGEST_STAGE)
             stages, iterations = stages + 1, iterations + spent
             bar.show(p / packing.stiffness)
-    bearing = backbone(near.pairs, trial.bearing, len(packing.radii), fewest_contacts(law))
-    place = _freed(place, near, bearing, p / law.stiffness)
     try:
         refuse_missed_contacts(place.state(), near)
     except NotRight as wrong:
         raise PolishFailed(f"continuation to Δ = {delta:g}: {wrong}") from wrong
     facts = {"stages": stages, "newton": iterations}
-    return _packing(packing, place, near, trial, bearing, p, facts)
+    return _packing(packing, place, near, trial, _backbone(near, trial, law), p, facts)
 
 
 def _start(packing: Packing, law: ContactLaw) -> tuple[Place, Neighbours]:
@@ -152,9 +150,16 @@ def _start(packing: Packing, law: ContactLaw) -> tuple[Place, Neighbours]:
 def _correct(
     place: Place, near: Neighbours, law: ContactLaw, pressure: float
 ) -> tuple[Place, Trial, int]:
+    """The balance at ``pressure``, rattlers off all that they lean on."""
     balance = PreciseEquilibrium(place, near, law, pressure)
     trial, spent = newton(balance, FLOOR * pressure, GOOD * pressure)
-    return balance.after(trial.y), trial, spent
+    after = balance.after(trial.y)
+    rounding = ROUNDING * EPS * float(place.sides.high.max() + 1)
+    try:
+        bearing = _backbone(near, trial, law)
+        return freed(after, near, bearing, pressure / law.stiffness, rounding), trial, spent
+    except NoRoom as tight:
+        raise PolishFailed(str(tight)) from tight
 
 
 def _predict(
@@ -182,19 +187,9 @@ def _predict(
     return evict(balance.after(y), near, ~grains, 3 * p / law.stiffness)
 
 
-def _freed(place: Place, near: Neighbours, bearing: np.ndarray, gap: float) -> Place:
-    """Rattlers off all that they overlap with, if any does; PolishFailed if one has no room."""
-    rounding = ROUNDING * EPS * float(place.sides.high.max() + 1)
-    if not np.any(place.branches(near)[1][~bearing] > rounding):
-        return place
-    rattles = np.ones(len(place.x.high), bool)
-    rattles[near.pairs[bearing]] = False
-    place = evict(place, near, rattles, gap)
-    overlap = np.where(bearing, 0.0, place.branches(near)[1])
-    if overlap.max() > rounding:
-        i, j = near.pairs[np.argmax(overlap)].tolist()
-        raise PolishFailed(f"grains {i} and {j} overlap by {overlap.max():.3g}, and bear nothing")
-    return place
+def _backbone(near: Neighbours, trial: Trial, law: ContactLaw) -> np.ndarray:
+    count = near.incidence.shape[0]
+    return backbone(near.pairs, trial.bearing, count, fewest_contacts(law))
 
 
 def _packing(

@@ -140,7 +140,7 @@ class DoubleDouble(Immutable):
 
     def __add__(self, other: Any) -> DoubleDouble:
         other = _pair(other)
-        _check_shapes("one summand", self.high, "the other", other.high)
+        _check_shapes("this", self.high, "operand", other.high)
         s, e = _two_sum(self.high, other.high)
         t, f = _two_sum(self.low, other.low)
         once = _renormalised(s, e + t)
@@ -157,7 +157,7 @@ class DoubleDouble(Immutable):
 
     def __mul__(self, other: Any) -> DoubleDouble:
         other = _pair(other)
-        _check_shapes("one factor", self.high, "the other", other.high)
+        _check_shapes("this", self.high, "operand", other.high)
         p, e = _two_prod(self.high, other.high)
         return _renormalised(p, e + (self.high * other.low + self.low * other.high))
 
@@ -168,8 +168,10 @@ class DoubleDouble(Immutable):
         """Quotient in doubles, corrected twice by its remainder."""
         other = _pair(other)
         if not np.all(other.high):
-            raise ValueError(f"divisor[{int(np.argmin(np.abs(other.high)))}] is 0")
-        _check_shapes("dividend", self.high, "divisor", other.high)
+            raise ValueError(
+                f"operand[{int(np.argmin(np.abs(other.high)))}] is 0: a quotient by 0"
+            )
+        _check_shapes("this", self.high, "operand", other.high)
         first = self.high / other.high
         rest = self - other * first
         second = rest.high / other.high

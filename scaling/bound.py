@@ -18,14 +18,13 @@ sizes need not be measured at all. Without friction, N sizes against 2N - 2 bala
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import ArrayLike
 
+from packing.numbers import choice, flag, instance
 from scaling.error_theory import ErrorMap, error_map
-
-if TYPE_CHECKING:
-    from scaling.network import ContactNetwork
+from scaling.network import ContactNetwork
 
 
 def cramer_rao(
@@ -44,13 +43,15 @@ def cramer_rao(
     Parameters: see `scaling.error_map`. `forces` are the true ones, for noisy positions; left out,
     the bound is that of directions known exactly in M, higher or lower by O(Δ).
     """
+    instance("network", network, ContactNetwork)
+    choice("data", data, ("all", "sizes"))
     return error_map(
         network,
         "optimal",
         noise,
         covariance=covariance,
         data=data,
-        frictional=frictional,
+        frictional=flag("frictional", frictional),
         forces=forces,
         stiffness=stiffness,
     )

@@ -59,6 +59,17 @@ def forces(values: ArrayLike, contacts: int) -> tuple[Floats, bool]:
     return array, array.size == 2 * contacts
 
 
+def resolved(positions: Floats, length: float, what: str) -> None:
+    """Refuse positions so far out that doubles there do not tell a thousandth of `length`."""
+    ulp = float(np.finfo(float).eps * np.abs(positions).max(initial=0.0))
+    if ulp > 1e-3 * length:
+        i = int(np.argmax(np.abs(positions).max(axis=1)))
+        raise ValueError(
+            f"positions[{i}] (grain {i}) is {positions[i].tolist()}, rounded to {ulp:.1g}, but "
+            f"{what} is {length:.3g}"
+        )
+
+
 def integer(name: str, values: ArrayLike) -> Integers:
     """`values` as (c, 2) integers; floats are accepted if they are whole numbers."""
     return whole_array(name, values, (None, 2), "contact")

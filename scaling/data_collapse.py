@@ -121,9 +121,12 @@ def collapse(
 
 
 def _listed(packings: Any) -> list[Any]:
-    if isinstance(packings, str | bytes | dict) or not isinstance(packings, Iterable):
-        raise ValueError(f"packings = {shown(packings)} is no list of packings")
-    return list(packings)
+    try:
+        if isinstance(packings, str | bytes | dict):
+            raise TypeError
+        return list(packings)
+    except TypeError:
+        raise ValueError(f"packings = {shown(packings)} is no list of packings") from None
 
 
 def _rows(packings: list[Any], ratios: Floats, draws: int) -> float:

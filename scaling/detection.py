@@ -58,6 +58,7 @@ def infer_contacts(
     reach = 2 * float(R.max()) + threshold
     if reach <= 0:
         return np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2), dtype=np.int64)
+    checks.resolved(x, mean, "the mean diameter")
     lengths = reach, abs(x).max(), 0.0 if H is None else abs(H).max()
     resolved = threshold - _ROUNDING * float(max(lengths))
     short, T = (None, np.eye(2, dtype=np.int64)) if H is None else reduced(H)

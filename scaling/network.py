@@ -381,6 +381,7 @@ def _normals(x: Floats, pairs: Integers, images: Integers, cell: Floats | None) 
 def _nearest_images(x: Floats, pairs: Integers, cell: Floats) -> Integers:
     branch = x[pairs[:, 1]] - x[pairs[:, 0]]
     short, T = reduced(cell)
+    checks.resolved(x, float(np.linalg.norm(short, axis=1).min()), "the shortest lattice vector")
     nearest = -np.round(branch @ np.linalg.inv(short))
     # Rounding fractional coordinates may miss the nearest image, of a reduced cell by one at most.
     around = np.array([[a, b] for a in (-1, 0, 1) for b in (-1, 0, 1)])

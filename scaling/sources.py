@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, diags_array, issparse
 
 from packing.arrays import Floats, real_array
+from packing.immutable import Immutable, read_only
 from packing.numbers import instance, positive_number, real_number
 from scaling import checks
 from scaling.network import ContactNetwork
@@ -38,7 +39,7 @@ _ASYMMETRY = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Sources:
+class Sources(Immutable):
     """k independent sources of noise.
 
     Attributes
@@ -54,6 +55,9 @@ class Sources:
     positions: csr_array
     xi: float
     unit: float = 1.0
+
+    def __post_init__(self) -> None:
+        read_only((self.radii, self.positions))
 
     @property
     def count(self) -> int:

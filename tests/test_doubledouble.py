@@ -72,3 +72,25 @@ def test_arrays_mix_from_either_side():
         assert isinstance(found, DoubleDouble)
     assert (1.0 - x).high.tolist() == [0.0, -1.0]
     assert float(x[0]) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: two_sum("1", 1.0), "a = '1'"),
+        (lambda: two_sum(1.0, np.inf), "b is inf"),
+        (lambda: two_sum(np.ones(2), np.ones(3)), r"a has shape \(2,\) and b \(3,\)"),
+        (lambda: two_prod(1e-200, 1.0), "a holds 1e-200"),
+        (lambda: DoubleDouble.of(np.ma.masked_array([1.0], [True])), "high is a masked array"),
+        (lambda: DoubleDouble(np.ones(2), np.zeros(3)), "low has shape"),
+        (lambda: DoubleDouble.of(1.0) + "2", "operand"),
+        (lambda: DoubleDouble.of([1.0, 2.0]) / [1.0, 0.0], r"operand\[1\] is 0"),
+        (lambda: (DoubleDouble.of(1e139) * 1e139) * 1e139, "not finite"),
+        (lambda: DoubleDouble.of(-1.0).sqrt(), "high reaches -1.0"),
+        (lambda: hypot(DoubleDouble.of(0.0), DoubleDouble.of(0.0)), "x and y are both 0"),
+        (lambda: segment_sums(DoubleDouble.of(np.ones(3)), [0, 5]), "starts"),
+    ],
+)
+def test_what_is_no_number_is_refused(call, message):
+    with np.errstate(over="ignore", invalid="ignore"), pytest.raises(ValueError, match=message):
+        call()

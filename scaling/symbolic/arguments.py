@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import sympy as sp
 from sympy import Expr
 
-from packing.numbers import choice, finite_number, instance, shown, whole_number
+from packing.numbers import choice, finite_number, instance, number_between, shown, whole_number
 from scaling.symbolic.network import SymbolicNetwork
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -71,11 +71,11 @@ def an_expression(name: str, value: Any) -> Expr:
     return expr
 
 
-def a_positive_expression(name: str, value: Any) -> Expr:
-    """The same, and not a number <= 0."""
+def an_exponent(name: str, value: Any) -> Expr:
+    """The exponent of a contact law, a number between 0.001 and 100, or an expression."""
     expr = an_expression(name, value)
-    if expr.is_positive is False:
-        raise ValueError(f"{name} = {shown(value)} is not positive")
+    if expr.is_number:
+        number_between(name, float(expr), 1e-3, 100)
     return expr
 
 

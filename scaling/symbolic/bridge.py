@@ -36,7 +36,7 @@ def values_of(
     chosen = {**network.sample, **(values or {}), **network.fixed}
     foreign = [str(name) for name in values or {} if name not in network.sample]
     if foreign:
-        raise ValueError(f"{network.name} has no free parameter {', '.join(foreign)}")
+        raise ValueError(f"values: {network.name} has no free parameter {', '.join(foreign)}")
     return {name: finite_number(str(name), value) for name, value in chosen.items()}
 
 
@@ -115,10 +115,10 @@ def expansion() -> Callable[..., Any]:
 def law(exponent: float) -> tuple[Callable[[Array], Array], Callable[[Array], Array]]:
     """y ↦ f̂ = sign(y)|y|^α and its slope α|y|^(α-1), y = δ/Δ; inverse of `signed_overlap`.
 
-    ValueError: α not above 0 and up to 100, and of the functions a y at which they are infinite.
+    ValueError: α not between 0.001 and 100, and of the functions a y at which they are infinite.
     """
-    number_between("exponent", exponent, 0, 100)
-    return _law(exponent if isinstance(exponent, sp.Expr) else sp.nsimplify(float(exponent)))
+    number = number_between("exponent", exponent, 1e-3, 100)
+    return _law(exponent if isinstance(exponent, sp.Expr) else sp.nsimplify(number))
 
 
 @cache

@@ -19,7 +19,7 @@ from sympy import Expr, I, Matrix
 
 from packing.numbers import flag
 from scaling.symbolic.arguments import (
-    a_positive_expression,
+    an_exponent,
     checked_once,
 )
 from scaling.symbolic.equilibrium import Direction, force_on_first, force_on_second, torques
@@ -60,7 +60,7 @@ def closure_defect(contact: Expr) -> Expr:
     return sp.re(sp.exp(-2 * sp.pi * I * contact / n) * geometric) / 2
 
 
-@checked_once(frictional=flag, exponent=a_positive_expression)
+@checked_once(frictional=flag, exponent=an_exponent)
 def ring_squared_gain(frictional: bool = True, exponent: Expr = sp.S.One) -> Expr:
     """K² of the regular n-ring for any n >= 3, in n and θ = 2π/n (diameter noise).
 

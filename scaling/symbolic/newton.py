@@ -39,7 +39,7 @@ def response(M: Array, Q: Array, forces: Array, exponent: float) -> Array:
     Newton's linearisation of closure, Q(f̂^(1/α - 1)/α δf̂) = Q δσ/Δ, solved with M δf̂ = 0.
     """
     M, Q, c = _matrices(M, Q)
-    number_between("exponent", exponent, 0, 100)
+    exponent = number_between("exponent", exponent, 1e-3, 100)
     forces = real_array("forces", forces, None, "component")
     if forces.ndim != 1 or forces.size < c:
         raise ValueError(f"forces has shape {forces.shape}, expected ({M.shape[1]},) or ({c},)")

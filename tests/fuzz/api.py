@@ -55,7 +55,7 @@ def examined(seed: int, number: int, table: tuple[Call, ...] = TABLE) -> Verdict
     """The verdict on input `number`, in this process."""
     call, arguments, replaced = drawn(seed, number, table)
     odd = ", ".join(f"{name}={shown(value)}" for name, value in replaced.items())
-    return number, call.name, odd, *judged(call.function, arguments, call.seconds)
+    return number, call.name, odd, *judged(call.function, arguments, call.seconds, call.allowed)
 
 
 def _work(pipe: Connection, seed: int, first: int, end: int, table: tuple[Call, ...]) -> None:

@@ -22,6 +22,7 @@ class Call:
     weight : how often it is drawn, against others; low for what takes long
     steady : arguments that are never replaced (what makes the call cheap)
     seconds : time limit of a call
+    allowed : exceptions that are no faults, besides the usual ones: OSError for files
     """
 
     name: str
@@ -30,6 +31,7 @@ class Call:
     weight: float = 1.0
     steady: tuple[str, ...] = ()
     seconds: float = 10.0
+    allowed: tuple[type[Exception], ...] = ()
 
     def draw(self, rng: np.random.Generator, odd: float) -> tuple[Arguments, dict[str, Any]]:
         """(arguments, those of them that were replaced), each replaced with probability `odd`."""

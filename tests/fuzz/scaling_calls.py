@@ -118,7 +118,8 @@ def _lists(rng: Rng) -> Arguments:
 def _list_error(rng: Rng) -> Arguments:
     f = rng.standard_normal(10)
     places = np.array([0, 2]), np.array([1, 3])
-    return {"forces": f, "true_forces": rng.standard_normal(12), "matched": places}
+    true = rng.standard_normal(12)
+    return {"forces": f, "true_forces": true, "matched": places, "frictional": True}
 
 
 def _with(draw: Rng, *names: str, periodic: bool = False, **more: Any) -> Arguments:

@@ -33,7 +33,6 @@ FIELDS = (
     "radius", "grains", "network", "solver",
 )  # fmt: skip
 """Fields of networks and packings, arguments themselves where these were made."""
-REFUSALS = (ValueError,)
 ENDINGS = (RuntimeError,)
 """NotRelaxed, PolishFailed and iterations that give up are RuntimeErrors."""
 
@@ -59,7 +58,10 @@ def time_limit(seconds: float) -> Any:
 
 
 def judged(
-    function: Callable[..., Any], arguments: Mapping[str, Any], seconds: float = 10.0
+    function: Callable[..., Any],
+    arguments: Mapping[str, Any],
+    seconds: float = 10.0,
+    allowed: tuple[type[Exception], ...] = (),
 ) -> tuple[str, str]:
     """(verdict, detail) of function(**arguments)."""
     try:
@@ -68,19 +70,17 @@ def judged(
             result = function(**arguments)
     except TooLong:
         return "hang", f"still running after {seconds:g} s"
-    except REFUSALS as error:
-        named = names_something(_said(error), arguments)
-        # A subclass of another library (a UnicodeError, LinAlgError) is no refusal of ours.
-        if not named:
+    except ValueError as error:
+        if not names_something(_said(error), arguments):
             return "names nothing", f"{type(error).__name__}: {_said(error)}"
         return "refused", ""
+    except allowed:
+        return "broke off", ""
     except ENDINGS as error:
         if isinstance(error, RecursionError | NotImplementedError) or not _said(error):
             return "leaked", f"{type(error).__name__}: {_said(error)}"
         return "broke off", ""
-    except BaseException as error:
-        if isinstance(error, KeyboardInterrupt):
-            raise
+    except Exception as error:
         return "leaked", f"{type(error).__name__}: {_said(error)}"
     where = not_finite(result)
     return ("not finite", where) if where else ("finite", "")
@@ -89,7 +89,9 @@ def judged(
 def names_something(message: str, arguments: Mapping[str, Any]) -> bool:
     """Whether a message names one of the arguments, a field, or a culprit with its number."""
     words = set(re.findall(r"[A-Za-z_]\w*", message))
-    return bool(words & {*arguments, *FIELDS} or CULPRITS.search(message))
+    # One of the `seeds` is called seed, one of the `xis` xi.
+    names = {*arguments, *(name.removesuffix("s") for name in arguments), *FIELDS}
+    return bool(words & names or CULPRITS.search(message))
 
 
 def not_finite(result: Any, path: str = "result", depth: int = 0) -> str:

@@ -76,6 +76,32 @@ def test_a_cell_too_small_for_its_grains_is_refused():
         assert (len(pairs), lengths.tolist()) == (2, [1.0, 1.0])
 
 
+@pytest.mark.parametrize("radius", [0.2, 0.26, 0.4, 0.52, 0.6])
+@pytest.mark.parametrize("threshold", [0.0, 0.3, 0.39])
+def test_the_origin_decides_nothing(radius, threshold):
+    """Two grains in a cell of width 1, moved as a whole, by 0.98 and by 1000 cells too: the same
+    contacts, or the same refusal."""
+    answers = set()
+    for shift in (0.0, 0.13, 0.3, 0.6, 0.98, -7.7, 1000.5):
+        x = np.array([[0.01, 0.0], [0.99, 0.05]]) + np.array([shift, 3.1 * shift])
+        try:
+            pairs, images = infer_contacts(x, [radius] * 2, threshold, cell=np.diag([1.0, 5.0]))
+            n = ContactNetwork(x, [radius] * 2, pairs, cell=np.diag([1.0, 5.0]), images=images)
+            answers.add(tuple(np.round(np.sort(n.distances), 9)))
+        except ValueError as refusal:
+            answers.add(str(refusal)[-60:])
+    assert len(answers) == 1, answers
+
+
+@pytest.mark.parametrize("threshold", [1.0, 1.5, 1000.0, 1e100])
+def test_a_threshold_in_other_units_is_refused(threshold):
+    """A gap of the mean diameter, 1, holds a grain; 0.99 is odd, but may be a gap."""
+    x = np.array([[0.1, 0.1], [1.0, 0.2]])
+    assert len(infer_contacts(x, [0.5, 0.5], 0.99)[0]) == 1
+    with pytest.raises(ValueError, match=r"threshold = .* a grain of the mean diameter 1 fits"):
+        infer_contacts(x, [0.5, 0.5], threshold)
+
+
 @pytest.mark.parametrize("delta", [1e-1, 1e-3, 1e-5])
 def test_exact_geometry_shows_the_contacts(delta):
     """At threshold 0 the pairs are those of the packing, and so are their distances, also for

@@ -17,6 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import scaling
+from scaling import symbolic
 from scaling.symbolic import bowtie, bridge, rhombus, ring, square, squared_gain, triangle, wheel
 from scaling.symbolic.networks import u, v
 
@@ -169,3 +170,43 @@ def test_only_the_bridge_lambdifies():
     folder = Path(scaling.__file__).parent / "symbolic"
     users = [path.stem for path in folder.glob("*.py") if "lambdify(" in path.read_text()]
     assert users == ["bridge"]
+
+
+@pytest.mark.parametrize("exponent", [1, 1.5, 2])
+@pytest.mark.parametrize("shape", [(), (1,), (3,), (2, 3)])
+def test_functions_keep_the_shape_of_their_arguments(exponent, shape):
+    """Also those that are constant: the slope of the linear law, the torque rows of a contact."""
+    y = np.full(shape, 0.5)
+    for function in bridge.law(exponent):
+        assert function(y).shape == shape
+    np.testing.assert_allclose(bridge.law(exponent)[1](y), exponent * 0.5 ** (exponent - 1))
+    block = bridge.contact_block()(y, y)
+    assert {np.shape(entry) for row in block for entry in row} == {shape}
+    orders = bridge.expansion()(y, 0 * y, 0.1 * y)
+    assert {np.shape(entry) for order in orders for entry in order} == {shape}
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: bridge.law("1"), "exponent"),
+        (lambda: bridge.law(0.5)[1](np.array([1.0, 0.0])), "y = .*0.0.* not finite"),
+        (lambda: bridge.law(1)[0](np.ma.masked_array([1.0], [True])), "y is a masked array"),
+        (lambda: bridge.matrices(symbolic.square(), values={"u": 1}), "no free parameter u"),
+        (lambda: symbolic.ring("5"), "n = '5'"),
+        (lambda: symbolic.ring([5]), "n = .*5"),
+        (lambda: symbolic.wheel(2**70), "n = 1180591620717411303424: at most"),
+        (lambda: symbolic.rank(symbolic.square(), matrix="H"), "matrix = 'H'"),
+        (lambda: symbolic.squared_gain("square"), "network = 'square'"),
+        (lambda: symbolic.square_gain(frictional=1), "frictional = 1"),
+    ],
+)
+def test_bad_arguments_are_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_results_are_kept_for_the_checked_arguments():
+    """One network however the call is written: gains are kept by network."""
+    assert symbolic.ring(5) is symbolic.ring(n=np.int64(5))
+    assert symbolic.square_gain() is symbolic.square_gain(frictional=True)
