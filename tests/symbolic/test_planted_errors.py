@@ -237,7 +237,7 @@ ERRORS = {
         lambda f, exponent=alpha: (f / kappa) ** exponent,
         ("geometry: contact law", "equation: general law", "errors: direct method"),
     ),
-    "α for 1/α on both sides of the law": (
+    "1/α for α in the force": (
         contact.force,
         lambda overlap, exponent=alpha: kappa * overlap ** (1 / exponent),
         ("geometry: contact law",),
@@ -339,6 +339,14 @@ def test_a_planted_error_is_caught_by_name(plant, name):
     right, wrong, expected = ERRORS[name]
     plant(right, wrong)
     assert failing(expected) == set(expected)
+
+
+def test_a_law_that_is_wrong_and_consistent_is_caught_by_its_energy(plant):
+    """κ inverted in the force and in its inverse: they agree with each other, not with ∫ f dδ."""
+    plant(contact.overlap, lambda f, exponent=alpha: (f * kappa) ** (1 / exponent))
+    plant(contact.force, lambda overlap, exponent=alpha: overlap**exponent / kappa)
+    wanted = {"geometry: contact law", "equation: loop rows", "equation: Eq. 1"}
+    assert failing(wanted) == wanted
 
 
 def test_planting_nothing_fails_nothing(plant):
