@@ -26,6 +26,7 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from packing.arrays import Floats, real_array
+from packing.numbers import choice, flag, instance, positive_number
 from scaling import balanced, optimal
 from scaling.constrained import ConstrainedLeastSquares
 from scaling.equation import ForceEquation, force_equation
@@ -249,8 +250,10 @@ def error_map(
 
     ValueError: bad input, an argument not used, or an equation without a unique solution.
     """
-    if method not in LINEAR:
-        raise ValueError(f"method {method!r} has no linear error map; there are {LINEAR}")
+    instance("network", network, ContactNetwork)
+    choice("method", method, LINEAR)
+    choice("data", data, ("all", "sizes"))
+    flag("frictional", frictional)
     if data != "all" and (method != "optimal" or data != "sizes"):
         raise ValueError(f"method {method!r} does not use data={data!r}")
     if method == "transverse" and not frictional:
@@ -263,8 +266,8 @@ def error_map(
         raise ValueError("size noise leaves G alone: forces and stiffness are not used")
     if source.moves and method == "transverse" and forces is None:
         raise ValueError("method 'transverse' feels position noise through δM f: give forces")
-    if stiffness is not None and not (np.isfinite(stiffness) and stiffness > 0):
-        raise ValueError(f"stiffness {stiffness}: it must be positive")
+    if stiffness is not None:
+        positive_number("stiffness", stiffness)
     φ = np.zeros(equation.unknowns)
     if forces is not None:
         f = real_array("forces", forces, (equation.unknowns,), "component")

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
 from packing.arrays import Floats, real_array
+from packing.numbers import choice, flag, instance, positive_number
 from scaling.equation import ForceEquation, force_equation
 from scaling.error import mean_force
 from scaling.error_theory import LINEAR, error_map, slope
@@ -64,17 +65,18 @@ def gain(
 
     ValueError: bad input, an argument not used, or an equation without a unique solution.
     """
+    instance("network", network, ContactNetwork)
     check_noise(noise)
-    if method not in LINEAR:
-        raise ValueError(f"method {method!r} is unknown; linear ones are {', '.join(LINEAR)}")
-    if winding and method != "gppsz":
+    choice("method", method, LINEAR)
+    flag("frictional", frictional)
+    if flag("winding", winding) and method != "gppsz":
         raise ValueError(f"method {method!r} does not use winding")
     if noise != "position" and (forces is not None or stiffness is not None):
         raise ValueError(f"{noise} noise leaves G alone: forces and stiffness are not used")
     if forces is None and stiffness is not None:
         raise ValueError("stiffness is not used without forces")
-    if stiffness is not None and not (np.isfinite(stiffness) and stiffness > 0):
-        raise ValueError(f"stiffness {stiffness}: it must be positive")
+    if stiffness is not None:
+        positive_number("stiffness", stiffness)
     if method == "transverse" and not frictional:
         raise ValueError("method 'transverse' finds tangential forces: frictional=False has none")
     if method == "transverse" and noise == "position" and forces is None:
@@ -144,9 +146,10 @@ def amplification(
     Parameters: see `gain`; `forces` are the true ones, (2c,) or (c,), `pressure` p > 0 goes with
     them. For position noise they also enter K, with κ = `stiffness` (default: fitted).
     """
-    if not (np.isfinite(pressure) and pressure > 0):
-        raise ValueError(f"pressure {pressure}: it must be positive")
-    unknowns = network.contacts * (2 if frictional else 1)
+    instance("network", network, ContactNetwork)
+    positive_number("pressure", pressure)
+    check_noise(noise)
+    unknowns = network.contacts * (2 if flag("frictional", frictional) else 1)
     f = real_array("forces", forces, (unknowns,), "component")
     mean = mean_force(f, frictional=frictional)
     if mean == 0:

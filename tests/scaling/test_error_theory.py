@@ -261,7 +261,7 @@ def test_position_noise_is_refused_for_measured_directions():
 @pytest.mark.parametrize("stiffness", [-1.0, 0.0, np.nan, np.inf])
 def test_a_stiffness_that_is_none_is_refused(stiffness):
     p = packing()
-    with pytest.raises(ValueError, match=f"stiffness {stiffness}: it must be positive"):
+    with pytest.raises(ValueError, match="stiffness = "):
         error_map(network_of(p), noise="position", forces=p.forces, stiffness=stiffness)
 
 
@@ -296,7 +296,7 @@ def test_triangle_by_hand():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"method": "bounded"}, "'bounded' has no linear error map"),
+        ({"method": "bounded"}, "method = 'bounded' is unknown"),
         ({"data": "sizes"}, "'gppsz' does not use data='sizes'"),
         ({"method": "balanced", "solver": "lsmr"}, "'balanced' does not use solver"),
         ({"method": "transverse", "frictional": False}, "frictional=False has none"),
