@@ -72,7 +72,10 @@ def whole_array(
 def truth_array(name: str, values: Any, shape: Shape) -> NDArray[np.bool_]:
     """`values` as a new array of True and False of `shape`."""
     _refuse_masked(name, values)
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of unequal length
+        array = np.empty(0)
     if array.dtype != bool:
         raise ValueError(f"{name} = {shown(values)} is no array of True and False")
     _check_shape(name, array, shape)

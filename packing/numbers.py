@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from math import isfinite
+from math import inf, isfinite
 from operator import index
 from pathlib import Path
 from typing import Any, TypeVar
@@ -29,7 +29,9 @@ def shown(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def whole_number(name: str, value: Any, least: int | None = None) -> int:
+def whole_number(
+    name: str, value: Any, least: int | None = None, most: int | float = 2**63 - 1
+) -> int:
     """`value` as a Python int, at least `least`; ValueError naming it if it is no whole number."""
     try:
         if isinstance(value, bool | np.bool_) or not np.isscalar(value):
@@ -37,6 +39,8 @@ def whole_number(name: str, value: Any, least: int | None = None) -> int:
         number = index(value)  # type: ignore[arg-type]  # a TypeError is the refusal
     except TypeError:
         raise ValueError(f"{name} = {shown(value)} is not a whole number") from None
+    if number > most:
+        raise ValueError(f"{name} = {shown(number)} is beyond {most:g}")
     if least is not None and number < least:
         raise ValueError(f"{name} = {shown(number)}: at least {least} is needed")
     return number
@@ -96,7 +100,7 @@ def number_between(name: str, value: Any, low: float, high: float) -> float:
 
 def seed_number(seed: Any) -> int:
     """`seed` as a Python int >= 0; a packing without one could not be made again."""
-    number = whole_number("seed", seed)
+    number = whole_number("seed", seed, most=inf)
     if number < 0:
         raise ValueError(f"seed = {shown(number)} is negative")
     if number >= 10**4000:  # Python writes and reads 4300

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arrays import Floats, Integers, real_array, whole_array
-from packing.numbers import shown
+from packing.numbers import LARGEST, shown
 
 # A measured direction may be rounded, but a vector off by more than this is not a direction.
 _UNIT_SLACK = 0.01
@@ -89,6 +89,9 @@ def radii_of_grains(radii: ArrayLike) -> Floats:
 def lattice(cell: ArrayLike) -> Floats:
     """A periodic cell: two independent lattice vectors as rows; a sheared one is legitimate."""
     array = real_array("cell", cell, (2, 2))
+    sides = np.linalg.norm(array, axis=1)
+    if sides.min() < 1 / LARGEST:
+        raise ValueError(f"cell {array.tolist()} has a side of {sides.min():.3g}: too short")
     area = abs(float(np.linalg.det(array)))
     if area <= 1e-12 * np.linalg.norm(array[0]) * np.linalg.norm(array[1]):
         raise ValueError(f"cell {array.tolist()} is singular: its area is {area:.3g}")

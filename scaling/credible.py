@@ -21,6 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from packing.arrays import Floats, real_array
+from packing.memory import refuse_beyond
 from packing.numbers import (
     choice,
     flag,
@@ -58,6 +59,7 @@ def posterior_draws(
         raise ValueError("projected draws are for a Gaussian prior: gaps=True has another")
     k = 0 if posterior.noise is None else posterior.noise.count
     sizes = k, posterior.equation.unknowns, posterior.equation.network.contacts
+    refuse_beyond(f"draws = {draws}", 8.0 * draws * (sum(sizes) + sizes[1]))
     shifts = []
     for child in rng.spawn(draws):
         data, prior, second = map(child.standard_normal, sizes)
@@ -79,7 +81,7 @@ def posterior_draws(
 def widened(posterior: Posterior, spread: float = SPREAD) -> Posterior:
     """The posterior with a prior `spread` times as wide."""
     instance("posterior", posterior, Posterior)
-    positive_number("spread", spread)
+    spread = positive_number("spread", spread)
     prior = posterior.prior
     wide = Prior(prior.mean, spread * prior.normal, spread * prior.tangential)
     return replace(posterior, prior=wide)
@@ -102,7 +104,7 @@ def credible_intervals(
     the prior, both see above. `progress`: None shows a bar on a terminal only, False never.
     ValueError: level not in (0, 1), too few draws for it, or other bad input.
     """
-    number_between("level", level, 0, 1)
+    level = number_between("level", level, 0, 1)
     whole_number("draws", draws, 1)
     choice("method", method, ("projected", "exact"))
     tail = (1 - level) / 2
@@ -121,8 +123,7 @@ def enclosing(sample: Floats, level: float) -> tuple[Floats, Floats]:
     sample = real_array("sample", sample, (None, None), "draw")
     if not len(sample):
         raise ValueError("sample holds no draws")
-    number_between("level", level, 0, 1)
-    tail = (1 - level) / 2
+    tail = (1 - number_between("level", level, 0, 1)) / 2
     low, high = np.quantile(sample, [tail, 1 - tail], axis=0, method="weibull")
     return low, high
 

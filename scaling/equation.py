@@ -28,14 +28,13 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
 from packing.arrays import Floats
+from packing.numbers import flag, instance, positive_number
 from scaling.least_squares import Conditioning, LeastSquares
 from scaling.loops import Loops
+from scaling.network import ContactNetwork
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from scaling.network import ContactNetwork
-
 ROW = np.dtype([("kind", "U8"), ("index", np.int64)])
 
 
@@ -186,6 +185,7 @@ class ForceEquation:
 
     def rhs(self, stiffness: float) -> Floats:
         """( -|F_ext⟩ ; κ (Q|σ⟩ - Λ) ), in units of force."""
+        stiffness = positive_number("stiffness", stiffness)
         loops, cell = self.matrices.loops, self.network.cell
         extended = self.network.extended
         if extended is not None and not self.network._directions_measured:
@@ -212,12 +212,14 @@ def force_equation(
     carries it; windings of a network that does not wind. Once closure is asked for: faces that
     are not discs.
     """
+    instance("network", network, ContactNetwork)
+    flag("frictional", frictional)
     _refuse_unsupported_loads(network, frictional)
-    if winding and len(network.windings) == 0:
+    if flag("winding", winding) and len(network.windings) == 0:
         raise ValueError("winding=True, but the network does not wind a periodic cell")
-    key = ("matrices", bool(frictional), bool(winding))
+    key = ("matrices", frictional, winding)
     matrices = network._from_geometry(key, lambda _: _assemble(network, frictional, winding))
-    return ForceEquation(network, matrices, bool(frictional), bool(winding))
+    return ForceEquation(network, matrices, frictional, winding)
 
 
 def _refuse_unsupported_loads(network: ContactNetwork, frictional: bool) -> None:

@@ -26,7 +26,8 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
 from packing.arrays import Floats, real_array
-from packing.numbers import choice, flag, instance, positive_number
+from packing.memory import refuse_beyond
+from packing.numbers import choice, flag, generator, instance, positive_number, whole_number
 from scaling import balanced, optimal
 from scaling.constrained import ConstrainedLeastSquares
 from scaling.equation import ForceEquation, force_equation
@@ -188,7 +189,10 @@ class ErrorMap:
 
     def sample(self, rng: np.random.Generator, draws: int) -> Floats:
         """(draws,) of rms(δf)/(κ ξ) over noise, from the singular values: no solve at all."""
+        generator("rng", rng)
+        whole_number("draws", draws, 1)
         s = self.singular_values
+        refuse_beyond(f"draws = {draws}", 8.0 * draws * len(s))
         return np.sqrt(rng.chisquare(1.0, (draws, len(s))) @ s**2 / self.unknowns)
 
     def relative_spread(self) -> float:
@@ -207,8 +211,9 @@ class ErrorMap:
         |E z|²/(2c), z = ±1, has the mean K² whatever E; its scatter over probes gives the bar.
         A map that vanishes gives (0, 0).
         """
-        if probes < 2:
-            raise ValueError(f"probes = {probes}: an error bar needs two")
+        generator("rng", rng)
+        whole_number("probes", probes, 2)  # an error bar needs two
+        refuse_beyond(f"probes = {probes}", 8.0 * probes)
         squares = np.array(
             [
                 np.sum(self.respond(rng.choice([-1.0, 1.0], (self.sources, 1))) ** 2)
@@ -267,7 +272,7 @@ def error_map(
     if source.moves and method == "transverse" and forces is None:
         raise ValueError("method 'transverse' feels position noise through δM f: give forces")
     if stiffness is not None:
-        positive_number("stiffness", stiffness)
+        stiffness = positive_number("stiffness", stiffness)
     φ = np.zeros(equation.unknowns)
     if forces is not None:
         f = real_array("forces", forces, (equation.unknowns,), "component")

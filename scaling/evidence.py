@@ -32,7 +32,7 @@ class Solved:
     ----------
     values : (n,) or (n, k)
     error : |δu|/|u|, of the worst of the k columns
-    solver : "dense", "factor", "lsmr"
+    solver : "dense", "factor", "lsmr", "clarabel", or "none" if there was nothing to solve
     """
 
     values: Floats
@@ -54,6 +54,12 @@ def rounding_error(condition: float, residual: Floats, size: float, values: Floa
     scale = np.maximum(size * np.atleast_1d(np.linalg.norm(values, axis=0)), lost)
     share = np.divide(lost, scale, out=np.zeros_like(lost), where=scale > 0)
     return _SAFETY * EPS * condition * (1 + condition * float(share.max(initial=0.0)))
+
+
+def overlap_rounding(lengths: Floats, overlaps: Floats) -> float:
+    """ε |σ|/|δ|: what the difference δ = σ - r of rounded `lengths` loses; 0 if none is left."""
+    left = float(np.linalg.norm(overlaps))
+    return _SAFETY * EPS * float(np.linalg.norm(lengths)) / left if left > 0 else 0.0
 
 
 def accepted(solved: Solved, name: str, condition: float | None = None) -> Solved:

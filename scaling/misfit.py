@@ -67,9 +67,9 @@ class Misfit:
     least: float
 
     @property
-    def value(self) -> float:
-        """χ² per degree of freedom; NaN if nothing is left over to judge the noise by."""
-        return self.square / self.most if self.most > 0 else np.nan
+    def value(self) -> float | None:
+        """χ² per degree of freedom; None if nothing is left over to judge the noise by."""
+        return self.square / self.most if self.most > 0 else None
 
     @property
     def tail(self) -> float:
@@ -83,7 +83,7 @@ class Misfit:
 
 def warn_if_implausible(misfit: Misfit, told: str) -> None:
     """ImplausibleNoiseWarning if the tail of χ² is below 1e-6."""
-    if misfit.tail >= IMPROBABLE:
+    if misfit.value is None or misfit.tail >= IMPROBABLE:
         return
     times = np.sqrt(misfit.value)
     if misfit.square > misfit.most:

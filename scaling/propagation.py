@@ -25,6 +25,7 @@ from scipy.sparse import csr_array
 
 from packing.arrays import Floats, real_array
 from packing.numbers import choice, flag, instance, positive_number
+from scaling import checks
 from scaling.equation import ForceEquation, force_equation
 from scaling.error import mean_force
 from scaling.error_theory import LINEAR, error_map, slope
@@ -76,7 +77,7 @@ def gain(
     if forces is None and stiffness is not None:
         raise ValueError("stiffness is not used without forces")
     if stiffness is not None:
-        positive_number("stiffness", stiffness)
+        stiffness = positive_number("stiffness", stiffness)
     if method == "transverse" and not frictional:
         raise ValueError("method 'transverse' finds tangential forces: frictional=False has none")
     if method == "transverse" and noise == "position" and forces is None:
@@ -147,7 +148,7 @@ def amplification(
     them. For position noise they also enter K, with κ = `stiffness` (default: fitted).
     """
     instance("network", network, ContactNetwork)
-    positive_number("pressure", pressure)
+    pressure = positive_number("pressure", pressure)
     check_noise(noise)
     unknowns = network.contacts * (2 if flag("frictional", frictional) else 1)
     f = real_array("forces", forces, (unknowns,), "component")
@@ -186,10 +187,7 @@ def amplification_of(packing: Any, method: str = "gppsz", noise: str = "diameter
 
 def is_frictional(network: ContactNetwork, forces: ArrayLike) -> bool:
     """Whether `forces` are (f_n ; f_t), 2c of them, or normal forces alone, c. Else refuse."""
-    size, c = np.size(forces), network.contacts
-    if size not in (c, 2 * c):
-        raise ValueError(f"{size} forces for {c} contacts: expected {c} or {2 * c}")
-    return size == 2 * c
+    return checks.forces(forces, network.contacts)[1]
 
 
 def _square(array: Floats) -> float:

@@ -38,7 +38,7 @@ from packing.numbers import (
 from scaling.balanced import balanced_forces
 from scaling.bounded import bounded_maximum
 from scaling.equation import ForceEquation, force_equation
-from scaling.evidence import NotAccurate, Solved
+from scaling.evidence import NotAccurate, Solved, overlap_rounding
 from scaling.loads import refuse_unbalanced
 from scaling.mechanisms import refuse_mechanisms
 from scaling.misfit import misfit_of_bounded, misfit_of_optimal, warn_if_implausible
@@ -78,7 +78,7 @@ class Reconstruction(Immutable):
         by how much a grain fails to balance. Rounding for exact data; of order ξ/Δ with noise ξ
         for `gppsz` and `direct`, which do not insist on balance
     misfit : `optimal`, `bounded`: χ² per degree of freedom of the noise that had to be assumed,
-        see `scaling.misfit`; NaN for other methods, for ξ = ∞ and where no condition is left over
+        see `scaling.misfit`; None for other methods, for ξ = ∞ and where no condition is left over
     error_estimate : relative error of the forces that the solution of the equations leaves,
         a posteriori, apart from any error of the data; NaN if no equation was solved
     """
@@ -90,9 +90,9 @@ class Reconstruction(Immutable):
     method: str
     solver: str
     diagnostics: Mapping[str, Any]
-    imbalance: float = np.nan
-    misfit: float = np.nan
-    error_estimate: float = np.nan
+    imbalance: float
+    misfit: float | None
+    error_estimate: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +159,7 @@ def reconstruct(
     choice("method", method, METHODS)
     flag("frictional", frictional)
     _refuse_kinds(solver, tol, xi, noise, data, friction, pressure, progress)
+    xi, friction, pressure = (None if v is None else float(v) for v in (xi, friction, pressure))
     unused = {
         "xi": xi is not None and method not in ("optimal", "bounded"),
         "noise": noise != "diameter" and method not in ("optimal", "bounded"),
@@ -266,7 +267,7 @@ def _bounded(asked: _Question) -> Reconstruction:
         pressure=asked.pressure, data=asked.data, frictional=frictional,
     )  # fmt: skip
     found = bounded_maximum(problem, asked.progress)
-    more, value = {**found.report, "noise": found.noise}, np.nan
+    more, value = {**found.report, "noise": found.noise}, None
     if not unknown:
         misfit = misfit_of_bounded(found.task, found.z)
         warn_if_implausible(misfit, _told(asked))
@@ -281,12 +282,15 @@ def _told(asked: _Question) -> str:
 
 
 def _direct(asked: _Question) -> Reconstruction:
-    fn = asked.stiffness * asked.equation.network.overlaps
+    network = asked.equation.network
+    fn = asked.stiffness * network.overlaps
     if asked.equation.frictional:
         return _transverse_to(asked, fn)
     if asked.solver != "auto" or asked.tol is not None:
         raise ValueError("method 'direct' without friction solves nothing: no solver, tol")
-    return _result(asked, Solved(fn, np.nan, "none"), _unbalanced(asked.equation, fn))
+    lengths = network.overlaps if network.extended is not None else network.sigma
+    error = overlap_rounding(lengths, network.overlaps)
+    return _result(asked, Solved(fn, error, "none"), _unbalanced(asked.equation, fn))
 
 
 def _transverse(asked: _Question) -> Reconstruction:
@@ -327,12 +331,12 @@ def _unbalanced(equation: ForceEquation, forces: Floats) -> Floats:
 
 
 def _imbalance(equation: ForceEquation, forces: Floats) -> float:
-    """The largest row of |M f + F_ext| over ⟨|f_n|⟩; 0 where nothing acts, infinite beside 0."""
+    """The largest row of |M f + F_ext| over ⟨|f_n|⟩, or the largest load if all f_n are 0."""
     largest = float(abs(_unbalanced(equation, forces)).max())
     mean = float(abs(forces[: equation.network.contacts]).mean())
     if largest == 0:
         return 0.0
-    return largest / mean if mean > 0 else np.inf
+    return largest / (mean or float(abs(equation.balance_rhs()).max()))
 
 
 def _result(
@@ -341,7 +345,7 @@ def _result(
     residual: Floats,
     more: Mapping[str, Any] | None = None,
     *,
-    misfit: float = np.nan,
+    misfit: float | None = None,
 ) -> Reconstruction:
     equation, forces = asked.equation, solved.values
     c = equation.network.contacts

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.linalg import cholesky, qr, solve_triangular
 
 from packing.arrays import Floats
+from packing.memory import refuse_beyond
 from packing.numbers import flag, generator, instance, whole_number
 from scaling.bounded import bounded_forces
 from scaling.convex import minimise
@@ -50,8 +51,9 @@ def truncated_draws(
     """
     instance("posterior", posterior, Posterior)
     generator("rng", rng)
-    whole_number("draws", draws, 1)
-    whole_number("burn_in", burn_in, 0)
+    flights = whole_number("draws", draws, 1) + whole_number("burn_in", burn_in, 0)
+    unknowns = posterior.equation.unknowns
+    refuse_beyond(f"draws = {draws}, burn_in = {burn_in}", 8.0 * flights * unknowns)
     if progress is not None:
         flag("progress", progress)
     if posterior.gaps:
@@ -61,8 +63,7 @@ def truncated_draws(
     centre, basis, u = _whitened(task, _interior(task))
     walls = Walls(-(task.cone @ basis), -(task.cone @ centre))
     found = []
-    flights = range(burn_in + draws)
-    for k in counted(flights, len(flights), "exact draws", progress):
+    for k in counted(range(flights), flights, "exact draws", progress):
         u = walls.trajectory(u, rng.standard_normal(len(u)))
         if k >= burn_in:
             found.append(task.forces(centre + basis @ u))
@@ -109,7 +110,7 @@ class Walls:
 
     def __init__(self, F: Floats, h: Floats) -> None:
         norm = np.linalg.norm(F, axis=1)
-        met = norm > _SEEN * norm.max()  # the others are as far as they are, whatever u
+        met = norm > _SEEN * norm.max(initial=0.0)  # the others are as far as they are, whatever u
         self.F, self.h = F[met] / norm[met, None], h[met] / norm[met]
         self.gram = self.F @ self.F.T
 
@@ -123,13 +124,13 @@ class Walls:
         for bounce in range(_MOST_BOUNCES):
             if bounce % _FRESH == 0:  # p and w drift in the updates below
                 p, w = self.F @ u, self.F @ v
-                if (p + self.h).min() < -_THICKNESS:
+                if (p + self.h).min(initial=0.0) < -_THICKNESS:
                     return start
             wall, t = self._next(p, w)
             cos, sin = np.cos(min(t, left)), np.sin(min(t, left))
             u, v = cos * u + sin * v, cos * v - sin * u
             if t >= left:
-                return u if (self.F @ u + self.h).min() >= -_THICKNESS else start
+                return u if (self.F @ u + self.h).min(initial=0.0) >= -_THICKNESS else start
             p, w = cos * p + sin * w, cos * w - sin * p
             push = 2 * float(self.F[wall] @ v)
             v, w = v - push * self.F[wall], w - push * self.gram[wall]

@@ -38,7 +38,7 @@ def test_a_gas_at_rest_is_not_near_its_pressure(capsys):
         assert rest._bar.n == pytest.approx(5.0)
 
 
-#: Mean speed in √(p/ρ), error of the pressure, and whether the polish was tried and failed: after a
+#: Mean speed in √(p/ρ), error of the pressure, whether the polish was tried and failed: a
 #: relaxation at Δ = 1e-3, N = 300, prolonged by three more polishes that fail.
 RECORDED = [
     (1.2e-1, 1.6e-2, False), (2.6e-2, 2.9e-3, False), (1.1e-2, 9e-4, False),
@@ -159,7 +159,9 @@ def closed() -> io.StringIO:
     return stream
 
 
-@pytest.mark.parametrize("stream", [io.StringIO(), None, closed(), Bare()], ids=lambda s: str(type(s)))
+@pytest.mark.parametrize(
+    "stream", [io.StringIO(), None, closed(), Bare()], ids=lambda s: type(s).__name__
+)
 def test_nothing_is_shown_but_on_a_terminal(monkeypatch, stream):
     """Not to a file, nor where there is no standard error at all; on a terminal it is."""
     long_run(monkeypatch)
@@ -195,5 +197,5 @@ def test_progress_is_true_false_or_none(progress):
         lambda: ramp(p, [2e-3], progress=progress),
         lambda: stiffen(p, 5e-4, progress=progress),
     ):
-        with pytest.raises(ValueError, match="progress = .* is neither True nor False"):
+        with pytest.raises(ValueError, match=r"progress = .* is neither True nor False"):
             call()

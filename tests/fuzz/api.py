@@ -18,8 +18,10 @@ import time
 import traceback
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import chdir
 from multiprocessing.connection import Connection
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -61,8 +63,9 @@ def examined(seed: int, number: int, table: tuple[Call, ...] = TABLE) -> Verdict
 def _work(pipe: Connection, seed: int, first: int, end: int, table: tuple[Call, ...]) -> None:
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, resource.RLIM_INFINITY))
-    for number in range(first, end):
-        pipe.send(examined(seed, number, table))
+    with TemporaryDirectory() as folder, chdir(folder):  # odd paths are written to
+        for number in range(first, end):
+            pipe.send(examined(seed, number, table))
     pipe.close()
 
 

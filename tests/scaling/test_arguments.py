@@ -127,7 +127,7 @@ ODD = ["nan", b"1", 1j, np.nan, object(), [1.0, [2.0]], np.ma.masked, {}, -np.in
 
 
 @pytest.mark.parametrize("name", SCALARS)
-@pytest.mark.parametrize("value", ODD, ids=repr)
+@pytest.mark.parametrize("value", ODD, ids=lambda v: type(v).__name__)
 def test_single_values_of_the_wrong_kind_are_named(name, value):
     with pytest.raises(ValueError, match=name):
         SCALARS[name](value)

@@ -167,7 +167,10 @@ COPIES = {
 def test_arrays_are_read_only_on_every_way(way):
     """Lengths, low parts, loops, forest, windings and the matrices, once they have been made."""
     n = network_of(packing(grains=20, delta=1e-8))
-    force_equation(n, winding=True)
+    equation = force_equation(n, winding=True)
+    assert (
+        equation.Q.shape[1] == n.contacts
+    )  # loops and windings are built when they are asked for
     found = {
         "network": COPIES[way](n),
         "sources": COPIES[way](sources(n, xi=1e-3)),
