@@ -28,6 +28,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
 from packing.arrays import Floats
+from packing.immutable import Immutable, read_only
 from packing.numbers import flag, instance, positive_number
 from scaling.least_squares import Conditioning, LeastSquares
 from scaling.loops import Loops
@@ -39,7 +40,7 @@ ROW = np.dtype([("kind", "U8"), ("index", np.int64)])
 
 
 @dataclass(frozen=True, eq=False)
-class Matrices:
+class Matrices(Immutable):
     """M and Q of a contact network: what contacts and directions determine.
 
     Balance knows no loops: they are sought, and Q is built, when closure is first asked for.
@@ -51,6 +52,9 @@ class Matrices:
     frictional: bool
     winding: bool
 
+    def __post_init__(self) -> None:
+        read_only((self.M, self.active))
+
     @cached_property
     def loops(self) -> Loops:
         """The faces, and the windings if they are asked for."""
@@ -58,10 +62,12 @@ class Matrices:
         if not self.winding:
             return loops
         around = self.network.windings
-        return Loops(
+        both = Loops(
             csr_array(vstack([loops.incidence, around.incidence])),
             np.concatenate([loops.images, around.images]),
         )
+        read_only(both)
+        return both
 
     @cached_property
     def Q(self) -> csr_array:
@@ -69,6 +75,7 @@ class Matrices:
         n = self.network.normals
         Q = csr_array(vstack([self.loops.incidence @ diags_array(n[:, k]) for k in (0, 1)]))
         Q.eliminate_zeros()
+        read_only(Q)
         return Q
 
     @cached_property
@@ -82,7 +89,9 @@ class Matrices:
     @cached_property
     def G(self) -> csr_array:
         """[M ; (Q, 0)]."""
-        return csr_array(vstack([self.M, self.closure]))
+        G = csr_array(vstack([self.M, self.closure]))
+        read_only(G)
+        return G
 
     @cached_property
     def closure(self) -> csr_array:

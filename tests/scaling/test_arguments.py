@@ -207,7 +207,7 @@ def test_packings_know_and_their_arrays_agree(friction, seed):
 @pytest.mark.parametrize("copies", [10**6, 10**9, 2**70, 10**400])
 def test_too_many_copies_are_refused_before_they_are_made(copies):
     for function in (lambda: tiled(N, copies), lambda: tiled_forces(N, F, copies)):
-        with pytest.raises(ValueError, match=r"copies = .* grains: that needs .* GB of memory"):
+        with pytest.raises(ValueError, match=r"copies = .* (that needs .* GB|is beyond)"):
             function()
     assert tiled(N, 3).grains == 9 * N.grains
 

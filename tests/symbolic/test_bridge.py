@@ -195,7 +195,7 @@ def test_functions_keep_the_shape_of_their_arguments(exponent, shape):
         (lambda: bridge.matrices(symbolic.square(), values={"u": 1}), "no free parameter u"),
         (lambda: symbolic.ring("5"), "n = '5'"),
         (lambda: symbolic.ring([5]), "n = .*5"),
-        (lambda: symbolic.wheel(2**70), "n = 1180591620717411303424: at most"),
+        (lambda: symbolic.wheel(2**70), "n = 1180591620717411303424 is beyond"),
         (lambda: symbolic.rank(symbolic.square(), matrix="H"), "matrix = 'H'"),
         (lambda: symbolic.squared_gain("square"), "network = 'square'"),
         (lambda: symbolic.square_gain(frictional=1), "frictional = 1"),
