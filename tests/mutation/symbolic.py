@@ -61,4 +61,11 @@ SYMBOLIC = (
         "dM = (self.balance(dn[0]), 0 * self.balance(dn[1]))",
         ORDERS,
     ),
+    Mutation(
+        "balance: no third law",
+        "scaling/symbolic/equilibrium.py",
+        "return (-x, -y)",
+        "return (x, y)",
+        BALANCE,
+    ),
 )
