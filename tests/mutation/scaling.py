@@ -206,7 +206,7 @@ SCALING = (
         "scaling/least_squares.py",
         "f = f + correction",
         "f = f - correction",
-        ("tests/scaling/test_estimators.py", "tests/scaling/test_near_lattices.py"),
+        ("tests/scaling/test_reconstruction.py",),
     ),
     Mutation(
         "least squares: the block is judged by its strongest direction",
@@ -220,7 +220,7 @@ SCALING = (
         "scaling/evidence.py",
         "(1 + condition * float(share.max(initial=0.0)))",
         "1.0",
-        ("tests/scaling/test_near_lattices.py",),
+        ("tests/scaling/test_evidence.py",),
     ),
     Mutation(
         "balanced: loads left out",
