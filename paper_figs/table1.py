@@ -2,7 +2,8 @@
 
 Steps to rest and their exponent in Δ, residuals, coordination, the exact prefactor C for both
 size-noise conventions with its standard deviation over packings, and how well E = C ξ/Δ
-with one C for all Δ fits the sampled errors.
+with one C for all Δ fits the sampled errors. The pressure is that of the scene, the rest of the
+mean stress is not controlled: rms over packings of (σxx - σyy)/2p and of σxy/p.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dem import Packing
+from scaling import ContactNetwork, stress
 
 TABLE = np.dtype(
     [
@@ -20,6 +22,7 @@ TABLE = np.dtype(
         ("Z", float), ("Z_sd", float),
         ("solid_fraction", float), ("rattlers", float),
         ("C_diameter", float), ("C_radius", float), ("C_sd", float),
+        ("pressure_difference", float), ("shear", float),
     ]
 )  # fmt: skip
 
@@ -40,8 +43,17 @@ def compute(packings: Sequence[Packing], errors: np.ndarray) -> np.ndarray:
             np.mean([p.solid_fraction for p in mine]),
             np.mean([p.rattlers.mean() for p in mine]),
             first["C_diameter"], first["C_radius"], first["C_sd"],
+            *np.sqrt(np.mean([np.square(anisotropy(p)) for p in mine], axis=0)),
         ))  # fmt: skip
     return np.array(rows, TABLE)
+
+
+def anisotropy(packing: Packing) -> tuple[float, float]:
+    """((σxx - σyy)/2p, (σxy + σyx)/2p): the parts of the mean stress that nothing controls."""
+    σ = stress(ContactNetwork.from_packing(packing), packing.forces)
+    return (σ[0, 0] - σ[1, 1]) / (2 * packing.pressure), (σ[0, 1] + σ[1, 0]) / (
+        2 * packing.pressure
+    )
 
 
 def spring_error(packing: Packing) -> float:
@@ -86,15 +98,16 @@ def text(table: np.ndarray, fits: dict[str, float]) -> str:
     """The table as Markdown, as the README shows it, with the fits below."""
     lines = [
         "| Δ | steps to rest (min–max) | in 1/√p | residual / p | Z | rattlers "
-        "| C, noise on diameters | C, noise on radii |",
-        "|---|---|---|---|---|---|---|---|",
+        "| C, noise on diameters | C, noise on radii | (σxx - σyy)/2p, σxy/p, rms |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
     for r in table[::-1]:
         lines.append(
             f"| {r['delta']:.0e} | {r['steps']:.1e} ({r['steps_min']:.1e}–{r['steps_max']:.1e}) "
             f"| {r['inertial_times']:.0f} | {r['residual']:.0e} | {r['Z']:.2f} ± {r['Z_sd']:.2f} "
             f"| {r['rattlers']:.1%} | {r['C_diameter']:.3f} ± {r['C_sd']:.3f} "
-            f"| {r['C_radius']:.3f} ± {2 * r['C_sd']:.3f} |"
+            f"| {r['C_radius']:.3f} ± {2 * r['C_sd']:.3f} "
+            f"| {r['pressure_difference']:.3f}, {r['shear']:.3f} |"
         )
     lines += [
         "",

@@ -16,7 +16,16 @@ from paper_figs.__main__ import write_all
 from paper_figs.packings import DELTAS, FULL, QUICK, ROOT, seed_of
 from paper_figs.periodic import Window
 from paper_figs.style import write
-from scaling import ContactNetwork, amplification_of, cramer_rao, mean_force
+from scaling import (
+    ContactNetwork,
+    amplification_of,
+    cramer_rao,
+    mean_force,
+    perturb,
+    reconstruct,
+    relative_error,
+    stress,
+)
 from tests.conftest import packing
 
 GRAINS = 40
@@ -137,8 +146,12 @@ def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
             slope = np.polyfit(np.log(mine["ratio"]), np.log(mine["error"]), 1)[0]
             assert slope == pytest.approx(1, abs=0.15), method
         best = here[here["method"] == "optimal"]
+        exact = best["draws"] == 0
+        # Means over packings: rms of E, mean of the bound.
+        np.testing.assert_allclose(best["error"][exact], best["bound"][exact], rtol=0.2)
         assert np.all(best["error"] < 4 * best["bound"])
         assert np.all(best["error"] > best["bound"] / 4)
+        assert exact.sum() == (5 if noise == "diameter" else 4)
     last = here[(here["method"] == "bounded") & (here["ratio"] == 100)][0]
     assert last["error"] < last["flat"]
     assert 1 / 1.5 < last["error"] / last["prior"] < 1.5
@@ -230,7 +243,46 @@ def test_the_bound_of_figure_4_is_exact():
         p = packing(grains=GRAINS, delta=1e-2, seed=seed)
         map_ = cramer_rao(ContactNetwork.from_packing(p), data="sizes")
         C = np.linalg.norm(map_.matrix) / np.sqrt(len(p.forces)) * p.pressure
-        assert fig4._bound(p, "diameter") == pytest.approx(C / mean_force(p), rel=1e-6)
+        found = fig4._prefactors(p, "diameter")["optimal"]
+        assert found == pytest.approx(C / mean_force(p), rel=1e-6)
+
+
+@pytest.mark.parametrize("method", ["gppsz", "balanced", "optimal"])
+def test_exact_means_of_figure_4_are_those_of_many_draws(packings, method):
+    """At the largest ξ for which first order stands for the whole: noise on positions, 60 draws.
+
+    E² over the mean of E² has the mean 1 and the error bar of its scatter; the control, an
+    error map of the other noise, is far off.
+    """
+    p = next(p for p in packings if p.delta == 1e-2)
+    ratio, C = fig4.LINEAR_UP_TO / p.delta, fig4._prefactors(p, "position")
+    network, weights = ContactNetwork.from_packing(p), {}
+    if method == "optimal":
+        weights = {"xi": fig4.LINEAR_UP_TO, "noise": "position"}
+    squares = np.array([
+        relative_error(
+            reconstruct(
+                perturb(network, fig4.LINEAR_UP_TO, rng, "position"), p.stiffness, method, **weights
+            ), p,
+        ) ** 2
+        for rng in np.random.default_rng(0).spawn(60)
+    ])  # fmt: skip
+    share = squares / (C[method] * ratio) ** 2
+    bar = share.std(ddof=1) / np.sqrt(len(share))
+    assert abs(share.mean() - 1) < 4 * bar
+    wrong = squares / (fig4._prefactors(p, "diameter")[method] * ratio) ** 2
+    assert abs(wrong.mean() - 1) > 4 * wrong.std(ddof=1) / np.sqrt(len(wrong))
+
+
+def test_what_pressure_control_leaves_free_is_measured(packings):
+    """σxx - σyy and σxy are shares of p that shrink with N; a packing turned has them turned."""
+    p = packings[0]
+    half, shear = table1.anisotropy(p)
+    σ = stress(ContactNetwork.from_packing(p), p.forces)
+    trace = np.trace(σ) / 2
+    assert trace == pytest.approx(p.pressure, rel=1e-6)
+    assert half == pytest.approx((σ[0, 0] / trace - 1), rel=1e-6)
+    assert 0 < np.hypot(half, shear) < 0.7
 
 
 def test_shares_of_contacts_are_means_and_errors_rms():
