@@ -255,18 +255,16 @@ def test_exact_means_of_figure_4_are_those_of_many_draws(packings, method):
     error map of the other noise, is far off.
     """
     p = next(p for p in packings if p.delta == 1e-2)
-    ratio, C = fig4.LINEAR_UP_TO / p.delta, fig4._prefactors(p, "position")
+    xi, C = fig4.LINEAR_UP_TO, fig4._prefactors(p, "position")
+    ratio = xi / p.delta
     network, weights = ContactNetwork.from_packing(p), {}
     if method == "optimal":
-        weights = {"xi": fig4.LINEAR_UP_TO, "noise": "position"}
-    squares = np.array([
-        relative_error(
-            reconstruct(
-                perturb(network, fig4.LINEAR_UP_TO, rng, "position"), p.stiffness, method, **weights
-            ), p,
-        ) ** 2
+        weights = {"xi": xi, "noise": "position"}
+    found = [
+        reconstruct(perturb(network, xi, rng, "position"), p.stiffness, method, **weights)
         for rng in np.random.default_rng(0).spawn(60)
-    ])  # fmt: skip
+    ]
+    squares = np.array([relative_error(f, p) for f in found]) ** 2
     share = squares / (C[method] * ratio) ** 2
     bar = share.std(ddof=1) / np.sqrt(len(share))
     assert abs(share.mean() - 1) < 4 * bar
@@ -275,7 +273,7 @@ def test_exact_means_of_figure_4_are_those_of_many_draws(packings, method):
 
 
 def test_what_pressure_control_leaves_free_is_measured(packings):
-    """σxx - σyy and σxy are shares of p that shrink with N; a packing turned has them turned."""
+    """The trace of the mean stress is p; the rest is a share of it."""
     p = packings[0]
     half, shear = table1.anisotropy(p)
     σ = stress(ContactNetwork.from_packing(p), p.forces)
