@@ -31,6 +31,7 @@ from benchmarks import (
     ramps,
     relaxation,
     rounding,
+    same_packing,
     size,
     solvers,
     step_cost,
@@ -131,6 +132,12 @@ def _rest(run: Run, pool: ProcessPoolExecutor) -> None:
     run.draw("relaxation", relaxation.plot(table), table)
 
 
+def _resting(run: Run, pool: ProcessPoolExecutor) -> None:
+    deltas = (1e-2, 1e-3, 1e-4) if run.full else (1e-2, 1e-3)
+    table = same_packing.compute(pool, 300, deltas, range(1, 17 if run.full else 5))
+    run.keep("same_packing", same_packing.text(table))
+
+
 def _pressures(run: Run, pool: ProcessPoolExecutor) -> None:
     table = ramps.compute(pool, 1000 if run.full else 300, range(1, 9))
     run.keep("ramps", ramps.text(table))
@@ -158,6 +165,7 @@ def _no_noise(run: Run, pool: ProcessPoolExecutor) -> None:
 PARTS: dict[str, Callable[[Run], None]] = {
     "lammps_step": _steps, "step_cost": _physics, "size": _sizes, "lammps_packing": _finished,
     "solvers": _equation, "dem_trade": _pooled(_trade), "relaxation": _pooled(_rest),
+    "same_packing": _pooled(_resting),
     "ramps": _pooled(_pressures), "rounding": _pooled(_noise), "floor": _pooled(_no_noise),
 }  # fmt: skip
 
