@@ -35,7 +35,8 @@ def test_contacts_do_not_depend_on_the_origin():
     x = np.array([[0.01, 0], [0.99, 0]])
     seen = set()
     for shift in (0.0, 0.3, 0.6, 0.98):
-        found = infer_contacts(x + np.array([shift, 0]), [0.26, 0.26], 0.5, cell=np.diag([1.0, 5.0]))
+        moved = x + np.array([shift, 0])
+        found = infer_contacts(moved, [0.26, 0.26], 0.5, cell=np.diag([1.0, 5.0]))
         seen.add(len(found[0]))
     assert seen == {4}
 
