@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from benchmarks.__main__ import FULL as RESULTS
 from dem import Packing, Scene, Settings, relax_ensemble
 from paper_figs.packings import FULL, ROOT, one, seed_of
+from paper_figs.style import provenance, write, write_table
 from scaling import ContactNetwork
 
 SEED = 55
@@ -29,11 +33,22 @@ def full(delta: float, k: int = 0) -> Packing:
     return one(FULL, delta, seed_of(delta, k))
 
 
+def publish(name: str, table: np.ndarray, figure: Figure | None = None, **facts: Any) -> None:
+    """The numbers behind a printed table, and its figure, where the full results are kept."""
+    if figure is None:
+        RESULTS.mkdir(parents=True, exist_ok=True)
+        write_table(RESULTS / f"{name}.csv", table, provenance(**facts))
+    else:
+        write(figure, RESULTS, name, table, provenance(**facts))
+
+
 def bar(values: np.ndarray) -> str:
-    """Mean ± standard error."""
+    """Mean ± standard error, to three decimals or as many as the error needs."""
     if np.isnan(values).any():
         return ""
-    return f"{values.mean():.3f} ± {values.std(ddof=1) / np.sqrt(len(values)):.3f}"
+    error = values.std(ddof=1) / np.sqrt(len(values))
+    digits = 3 if error >= 5e-4 or error == 0 else int(np.ceil(-np.log10(2 * error)))
+    return f"{values.mean():.{digits}f} ± {error:.{digits}f}"
 
 
 def off(values: np.ndarray) -> str:

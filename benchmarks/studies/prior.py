@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.studies.packings import SEED, full, make, net
+from benchmarks.studies.packings import SEED, bar, full, make, net
 from dem import Packing, Scene
 from scaling import perturb, relative_error
 from scaling.bounded import bounded_forces
@@ -13,28 +13,30 @@ from scaling.posterior import Posterior, Prior, posterior
 from scaling.sources import sources
 from scaling.truncated import truncated_draws
 
+RATIOS = {"1/10": 0.1, "1/4": 0.25, "1/2 (default)": 0.5, "1": 1.0, "2": 2.0, "10": 10.0}
+"""Standard deviation of f_t over that of f_n."""
+PACKINGS = 8
+
 
 def prior() -> None:
-    """E of `bounded` for different priors: no geometry (ξ = ∞), ξ = Δ and 10 Δ on positions."""
-    choices = {
-        "mean f̄, sd f̄ and f̄/2": Prior(),
-        "mean 0": Prior(mean=0.0),
-        "sd halved": Prior(1.0, 0.5, 0.25),
-        "sd doubled": Prior(1.0, 2.0, 1.0),
-        "sd of f_t f̄/10": Prior(1.0, 1.0, 0.1),
-        "flat (sd 100 f̄)": Prior(1.0, 100.0, 100.0),
-    }
-    print("| prior | Δ | ξ = 0.1 Δ | ξ = Δ | ξ = 10 Δ | ξ = ∞ |\n|---|---|---|---|---|---|")
-    for name, choice in choices.items():
+    """E of `bounded` over the ratio of the prior's widths: noise on positions, and ξ = ∞.
+
+    What a common factor of both widths does is shown by `ridge`; at ξ = ∞ it does nothing, as the
+    most probable forces are then the nearest to the mean, in units of the widths.
+    """
+    print("| sd of f_t over that of f_n | Δ | ξ = 0.1 Δ | ξ = Δ | ξ = 10 Δ | ξ = ∞ |")
+    print("|---" * 6 + "|")
+    for name, tangential in RATIOS.items():
         for d in (1e-2, 1e-4):
-            some = make([Scene(300, d)] * 3, range(3))
-            cells = []
+            some, cells = make([Scene(300, d)] * PACKINGS, range(PACKINGS)), []
             for strength in (0.1, 1.0, 10.0, np.inf):
                 if 0.05 < strength * d < np.inf:
                     cells.append("")
                     continue
-                e = [_bounded_error(p, strength * d, choice) for p in some]
-                cells.append(f"{np.mean(e):.3f} ± {np.std(e, ddof=1):.3f}")
+                choice = Prior(tangential=tangential)
+                cells.append(
+                    bar(np.array([_bounded_error(p, strength * d, choice) for p in some]))
+                )
             print(f"| {name} | {d:g} | " + " | ".join(cells) + " |", flush=True)
 
 
