@@ -16,6 +16,7 @@ import numpy as np
 from packing.arrays import Floats
 from scaling.callers import outside
 from scaling.equation import ForceEquation
+from scaling.windings import tree_windings
 
 if TYPE_CHECKING:
     from scaling.network import ContactNetwork
@@ -56,7 +57,7 @@ def mean_overlap(network: ContactNetwork) -> float:
         return 0.0
     if network.positions is not None:
         return float(network.overlaps.mean() / network.sigma.mean())
-    loops = network.windings
+    loops = tree_windings(network)
     if not len(loops) or network.cell is None:
         return 0.0
     way = loops.incidence @ (network.sigma[:, None] * network.normals)
