@@ -33,6 +33,7 @@ from scaling.constrained import ConstrainedLeastSquares
 from scaling.equation import ForceEquation, force_equation
 from scaling.evidence import Solved
 from scaling.network import ContactNetwork
+from scaling.progress import counted
 from scaling.sources import Sources, sources
 
 LINEAR = ("gppsz", "direct", "transverse", "balanced", "optimal")
@@ -130,7 +131,8 @@ class ErrorMap:
     def _computed(self) -> tuple[Floats, float]:
         """E, and the worst error estimate of its columns."""
         E, worst = np.empty((self.unknowns, self.sources)), 0.0
-        for start in range(0, self.sources, _BLOCK):
+        blocks = range(0, self.sources, _BLOCK)
+        for start in counted(blocks, len(blocks), f"error map of {self.respond.method}"):
             stop = min(start + _BLOCK, self.sources)
             η = np.zeros((self.sources, stop - start))
             η[np.arange(start, stop), np.arange(stop - start)] = 1.0

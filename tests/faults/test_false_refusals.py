@@ -14,6 +14,7 @@ TRIANGLE = [[0, 1], [0, 2], [1, 2]]
 
 
 def test_a_chain_has_no_loops_and_no_residual():
+    """Balance alone finds its forces; nothing of closure is left, and nothing warns."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         network = ContactNetwork(
@@ -75,6 +76,7 @@ def test_an_island_carries_no_pressure():
 
 @pytest.mark.parametrize("friction", [1e9, 1e10])
 def test_friction_without_a_limit(friction):
+    """So much friction limits nothing; the true forces satisfy it."""
     pytest.importorskip("clarabel")
     p = relax(Scene(60, 1e-3), 1, settings=Settings(backend="numpy"))
     network = ContactNetwork.from_packing(p)

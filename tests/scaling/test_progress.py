@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from scaling import progress, reconstruct
+from scaling import error_map, progress, reconstruct
 from scaling.credible import credible_intervals, posterior_draws
 from scaling.posterior import posterior
 from scaling.truncated import truncated_draws
@@ -62,6 +62,17 @@ def test_bars_are_for_terminals(monkeypatch, stream, shown, seen):
         names = ("most probable forces", "projected draws", "exact draws")
         assert all(name in text for name in names) == (seen and delay == 0), text
         assert seen or not text
+
+
+def test_the_bar_of_an_error_map(monkeypatch):
+    """On a terminal, when it takes long; the control: not before the delay."""
+    network = network_of(packing(grains=20, delta=1e-2))
+    for delay, seen in ((0.0, True), (progress.DELAY, False)):
+        terminal = Terminal()
+        monkeypatch.setattr(progress, "DELAY", delay)
+        monkeypatch.setattr(sys, "stderr", terminal)
+        assert error_map(network, "balanced").gain > 0
+        assert ("error map of balanced" in terminal.getvalue()) == seen
 
 
 def test_a_single_call_shows_that_time_goes_on(monkeypatch):
