@@ -28,9 +28,9 @@ RATIOS = 10.0 ** np.arange(-1, 4)
 LARGEST_XI = 0.05
 DELTAS = (1e-4, 1e-6)
 COUNT = 8
-METHODS = ("gppsz", "ridge", "ridge, wide", "bounded", "bounded, wide")
+METHODS = ("gppsz", "ridge", "ridge wide", "bounded", "bounded wide")
 TABLE = np.dtype([
-    ("delta", float), ("ratio", float), ("seed", int), ("method", "U13"), ("error", float),
+    ("delta", float), ("ratio", float), ("seed", int), ("method", "U12"), ("error", float),
 ])  # fmt: skip
 
 
@@ -58,7 +58,7 @@ def errors(p: Packing, ratio: float, seed: int) -> dict[str, float]:
     xi = ratio * p.delta
     noisy = perturb(net(p), xi, np.random.default_rng([SEED, seed]), "position")
     found = {"gppsz": reconstruct(noisy, p.stiffness).forces}
-    for name, prior in (("", None), (", wide", WIDE)):
+    for name, prior in (("", None), (" wide", WIDE)):
         problem = posterior(
             noisy, p.stiffness, p.friction, sources(noisy, "position", xi=xi),
             pressure=p.pressure, prior=prior,
@@ -97,8 +97,8 @@ def plot(table: np.ndarray) -> Figure:
     figure, axes = new_figure(2.9, 1)
     looks = {
         "gppsz": (PALETTE[1], PALETTE[1], "o"), "ridge": (PALETTE[0], PALETTE[0], "s"),
-        "ridge, wide": (PALETTE[0], "white", "s"), "bounded": (PALETTE[2], PALETTE[2], "D"),
-        "bounded, wide": (PALETTE[2], "white", "D"),
+        "ridge wide": (PALETTE[0], "white", "s"), "bounded": (PALETTE[2], PALETTE[2], "D"),
+        "bounded wide": (PALETTE[2], "white", "D"),
     }  # fmt: skip
     for delta, style in zip(DELTAS, ("--", "-"), strict=True):
         for method, (colour, face, marker) in looks.items():
