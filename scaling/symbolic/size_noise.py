@@ -53,7 +53,7 @@ def noise_defects(loop: GeneralTriangle) -> tuple[Expr, ...]:
     defects: list[Expr] = []
     for noise, radii in kicked.items():
         sizes = Matrix([contact.contact_diameter(radii[i], radii[j]) for i, j in network.pairs])
-        defects += sizes.jacobian(eta[:N]) - mean * noise_map(network, noise)
+        defects.extend(sizes.jacobian(eta[:N]) - mean * noise_map(network, noise))
     q_n, q_t, r = kinematics.q_n, kinematics.q_t, kinematics.distance
     apart = sp.sqrt((r + q_n) ** 2 + q_t**2)
     slope = [sp.diff(apart, q).subs({q_n: 0, q_t: 0}) for q in (q_n, q_t)]
