@@ -1,10 +1,11 @@
-"""Fig. 4: what other estimators do: E against ξ/Δ, the Cramér-Rao bound and the prior's level.
+"""Fig. 4: what other estimators do: E against ξ/Δ, the Cramér-Rao bound, the level at ξ = ∞.
 
 (a) Noise on the diameters, directions exact, GPPSZ's data: their estimate and its balanced form
 grow as ξ/Δ without end; weighing the same data by their covariance is far better, for exact
 directions almost determine the forces.  (b) Noise on the positions, exact diameters: nothing
 linear and unbiased beats the bound, `optimal` attains it to first order; `bounded` saturates at
-what balance, friction and pressure alone say (dashed), below the flat guess f_n = f̄ (dotted).
+what directions, balance, a prior, the true pressure, f_n >= 0 and the true friction say (dashed;
+one by one in the study `ladder`), below the flat guess f_n = f̄ (dotted).
 
 Where E is linear in the noise, it is the mean over all noise, from the exact error map: for noise
 on diameters at any ξ, for noise on positions up to ξ = 1e-3 ⟨σ⟩. Elsewhere, and for `bounded`,
@@ -62,7 +63,8 @@ def chosen(packings: Sequence[Packing], edition: Edition) -> list[list[Packing]]
 
 def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     """E per noise, Δ, ξ/Δ and method: rms over packings and its standard deviation, of exact means
-    (0 draws) or one draw each; with the bound, and the levels of the flat guess and the prior."""
+    (0 draws) or one draw each; with the bound, and the levels of the flat guess and of `bounded`
+    at ξ = ∞."""
     rows = []
     for group in chosen(packings, edition):
         levels = np.array([_levels(p) for p in group])
@@ -139,7 +141,7 @@ def _errors(
 
 
 def _levels(p: Packing) -> tuple[float, float]:
-    """E of the flat guess, and of balance, friction and pressure without any size or distance."""
+    """E of the flat guess, and of `bounded` without any size or distance."""
     network = ContactNetwork.from_packing(p)
     flat = relative_error(flat_guess(network, p.pressure), p.forces)
     if not find_spec("clarabel"):
@@ -183,7 +185,7 @@ def plot(table: np.ndarray) -> Figure:
                label=rf"$\Delta={power_of_ten(d)}$") for d, m in zip(DELTAS, MARKERS, strict=False)
     ]  # fmt: skip
     shapes.append(Line2D([], [], color="k", linestyle=":", label="flat guess"))
-    shapes.append(Line2D([], [], color=COLOURS["bounded"], linestyle="--", label="prior alone"))
+    shapes.append(Line2D([], [], color=COLOURS["bounded"], linestyle="--", label="no lengths"))
     figure.legend(handles=colours + shapes, loc="outside lower center", ncols=4)
     return figure
 

@@ -11,9 +11,11 @@ on the data, see `scaling.sources`. Noisy positions turn directions, so M in the
 is M(x̃) - D y: no grain has to balance in directions that are wrong, but the y that rights it is
 the same that rights the overlaps, and weighed. What is linear in y is wrong by ~ξ²/Δ in forces;
 near isostaticity (without friction) that can leave nothing feasible: then it is noise of its own.
-The prior: mean f̄ = 2 p A/Σ r, a = 1 and b = 1/2. For ξ << Δ the data decide, for ξ >> Δ what is
-left is the prior among the states that balance, so the error saturates where that of linear
-estimates grows as ξ/Δ.
+The prior: mean f̄ = 2 p A/Σ r, a = 1 and b = 1/2. For ξ << Δ the data decide; for ξ >> Δ what no
+datum sees is left at the mean of the prior, as near as balance, pressure and inequalities allow,
+so the error saturates where that of unbiased estimates grows as ξ/Δ. Without
+inequalities it would too, at a higher level, and without a prior, as they leave a bounded set. A
+wrong friction or pressure costs most where the data are good (docs/estimators.md).
 
 Where distances are no data, in data="sizes" and for ξ = ∞, the pressure needs none: the forces
 across the sides of the cell say it (`scaling.programme`).

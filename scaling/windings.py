@@ -184,9 +184,10 @@ def _cover(network: ContactNetwork, length: Floats) -> _Cover:
     order = np.lexsort([length[contacts], steps])
     steps, first = np.unique(steps[order], return_index=True)
     contacts, signs = contacts[order][first], signs[order][first]
-    ends = np.divmod(steps, nodes)
+    # Shortest paths of old versions of SciPy take indices of 32 bits only.
+    start, end = (each.astype(np.int32) for each in np.divmod(steps, nodes))
     return _Cover(
-        csr_array((length[contacts], ends), shape=(nodes, nodes)), steps, contacts, signs
+        csr_array((length[contacts], (start, end)), shape=(nodes, nodes)), steps, contacts, signs
     )
 
 

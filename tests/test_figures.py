@@ -137,7 +137,7 @@ def test_table_1_tells_steps_and_prefactors(packings):
 
 def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
     """Slopes of E over four decades of ξ/Δ: 1 for what is linear; bounded ends below the flat
-    guess, at the level of the prior alone within a factor 1.5; optimal follows the bound."""
+    guess, at its level at ξ = ∞ within a factor 1.5; optimal follows the bound."""
     table = fig4.compute(packings, SMALL)
     for noise in ("diameter", "position"):
         here = table[(table["noise"] == noise) & (table["delta"] == 1e-4)]

@@ -42,12 +42,11 @@ TABLE = np.dtype([
 ])  # fmt: skip
 
 
-def rungs(p: Packing, told: float | None = None) -> list[Floats]:
-    """The forces (2c,) of every rung, from directions, pressure and friction (`told`: another)."""
+def rungs(p: Packing) -> list[Floats]:
+    """The forces (2c,) of every rung, from directions, pressure and friction."""
     n = net(p)
     strong, limited = (
-        posterior(n, p.stiffness, μ, None, pressure=p.pressure)
-        for μ in (NO_LIMIT, p.friction if told is None else told)
+        posterior(n, p.stiffness, μ, None, pressure=p.pressure) for μ in (NO_LIMIT, p.friction)
     )
     return [
         flat_guess(n, p.pressure), gaussian(strong, pressure=False), gaussian(strong),
