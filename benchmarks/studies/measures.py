@@ -41,9 +41,7 @@ def measures(
     print("| Δ | μ | Z | " + " | ".join(columns) + " |\n|---|---|---|" + "---|" * 6)
     for delta, mu in cases:
         some = make([Scene(grains, delta, friction=mu)] * packings, range(600, 600 + packings))
-        values = np.array(
-            [np.concatenate([prefactors(p), prefactors(p, "radius")]) for p in some]
-        )
+        values = np.array([np.concatenate([prefactors(p), prefactors(p, "radius")]) for p in some])
         cells = [f"{m:.3f} ± {s:.3f}" for m, s in zip(
             values.mean(axis=0), values.std(axis=0, ddof=1), strict=True)]  # fmt: skip
         Z = np.mean([net(p).coordination for p in some])
