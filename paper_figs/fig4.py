@@ -3,8 +3,8 @@
 (a) Noise on the diameters, directions exact, GPPSZ's data: their estimate and its balanced form
 grow as ξ/Δ without end; weighing the same data by their covariance is far better, for exact
 directions almost determine the forces.  (b) Noise on the positions, exact diameters: nothing
-linear and unbiased beats the bound, `optimal` attains it; `bounded` saturates at what balance,
-friction and pressure alone say (dashed), below the flat guess f_n = f̄ (dotted).
+linear and unbiased beats the bound, `optimal` attains it to first order; `bounded` saturates at
+what balance, friction and pressure alone say (dashed), below the flat guess f_n = f̄ (dotted).
 """
 
 from __future__ import annotations

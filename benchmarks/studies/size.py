@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.studies.packings import SEED, bar, make, net
 from dem import Packing, Scene
 from packing.arrays import Floats
-from scaling import ContactNetwork, force_equation, gain
+from scaling import ContactNetwork, force_equation, gain, relative_error
 from scaling.error import mean_force
 from scaling.noise import size_response
 
@@ -39,6 +39,32 @@ def size(counts: dict[int, int] = COUNTS, deltas: Sequence[float] = (1e-2, 1e-3,
             cells = " | ".join(bar(v) for v in some)
             print(f"| {delta:g} | {name} | {cells} | {b:.1f} ± {error:.1f} | {reduced:.1f} |",
                   flush=True)  # fmt: skip
+    common_mode(counts)
+
+
+def common_mode(counts: dict[int, int] = COUNTS, deltas: Sequence[float] = (1e-2, 1e-4)) -> None:
+    """What all sizes too large by the same ε do: E/ε with faces alone, E Δ/ε with the windings."""
+    print("\n| Δ | G | " + " | ".join(f"N = {n}" for n in counts) + " |")
+    print("|---|---|" + "---|" * len(counts))
+    for delta in deltas:
+        found = {}
+        for n, k in counts.items():
+            packings = make([Scene(n, delta)] * k, range(400, 400 + k))
+            found[n] = np.array([[_swollen(p, w) for w in (False, True)] for p in packings])
+        faces = [bar(v[:, 0]) for v in found.values()]
+        around = [bar(v[:, 1] * delta) for v in found.values()]
+        print(f"| {delta:g} | E/ε, faces | " + " | ".join(faces) + " |")
+        print(
+            f"| {delta:g} | E Δ/ε, faces and windings | " + " | ".join(around) + " |", flush=True
+        )
+
+
+def _swollen(p: Packing, windings: bool) -> float:
+    """E/ε."""
+    equation = force_equation(net(p), winding=windings)
+    δt = p.stiffness * (equation.Q @ equation.network.sigma)
+    f = equation.matrices.system.solve(np.concatenate([np.zeros(equation.M.shape[0]), δt]))
+    return relative_error(p.forces + f, p.forces)
 
 
 def growth(counts: Floats, means: Floats, errors: Floats) -> tuple[float, float, float]:

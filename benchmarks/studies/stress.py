@@ -25,10 +25,12 @@ from scipy.sparse import csr_array, vstack
 from benchmarks.studies.packings import SEED, make, net
 from dem import Packing, Scene
 from packing.arrays import Floats
-from scaling import ContactNetwork, force_equation
+from scaling import ContactNetwork, force_equation, perturb, relative_error
+from scaling.bounded import bounded_forces
 from scaling.constrained import ConstrainedLeastSquares
 from scaling.error import mean_force
 from scaling.optimal import size_problem
+from scaling.posterior import Prior, posterior
 from scaling.sources import sources
 
 GROUPS = [(100, 0.3, 1e-2, 8), (100, 0.3, 1e-3, 8), (100, 0.3, 1e-4, 8), (300, 0.3, 1e-4, 6),
@@ -100,7 +102,7 @@ def _span(rows: Floats) -> Floats:
 
 
 def optimal_map(network: ContactNetwork, rows: Floats) -> Floats:
-    """(2c, N) error map of `optimal`, data="sizes", with the true values of `rows` (k, 2c) known."""
+    """(2c, N) error map of `optimal`, data="sizes", told the true values of `rows` (k, 2c)."""
     equation, noise = force_equation(network), sources(network, "diameter")
     problem, k = size_problem(equation, noise), noise.count
     known = csr_array(np.hstack([np.zeros((len(rows), k)), rows]))
@@ -129,6 +131,27 @@ def prefactor_of(p: Packing, error: Floats) -> float:
     return float(K * p.pressure / mean_force(p.forces))
 
 
+BOUNDED = {
+    "bounded": (None, Prior()),
+    "flat prior": (None, Prior(1.0, 100.0, 100.0)),
+    "flat prior, μ = ∞": (1e9, Prior(1.0, 100.0, 100.0)),
+}
+"""Friction told (the true one if None) and prior; the pressure is told in all."""
+
+
+def bounded_error(p: Packing, told: float | None, prior: Prior, draws: int = 4) -> float:
+    """E of `bounded` at ξ = Δ, noise on diameters, data="sizes": rms over draws."""
+    squares = []
+    for k in range(draws):
+        noisy = perturb(net(p), p.delta, np.random.default_rng([SEED, k]), "diameter")
+        noise = sources(noisy, "diameter", xi=p.delta)
+        friction = p.friction if told is None else told
+        problem = posterior(noisy, p.stiffness, friction, noise, data="sizes",
+                            pressure=p.pressure, prior=prior)  # fmt: skip
+        squares.append(relative_error(bounded_forces(problem)[0], p.forces) ** 2)
+    return float(np.sqrt(np.mean(squares)))
+
+
 def measured(p: Packing) -> tuple[list[int], list[float]]:
     """Open modes with none, one ... four components, and with the wrong ones; then C of `optimal`
     with none to three, with three contact forces instead, of gppsz without and with p, the fourth
@@ -147,9 +170,10 @@ def measured(p: Packing) -> tuple[list[int], list[float]]:
 
 def stress(groups: Sequence[tuple[int, float, float, int]] = GROUPS) -> None:
     """Open modes by rank, and E at ξ = Δ, which is C; ± standard errors over packings."""
-    print("| N | μ | Δ | Z | modes open: none, 1, 2, 3, 4 given, wrong rows | optimal | p | p, σxx - σyy |"
-          " all three | three f_n | gppsz | with p | 4th singular value | antisymmetric |")  # fmt: skip
-    print("|---|" + "---|" * 13)
+    columns = ["N", "μ", "Δ", "Z", "modes open: none, 1, 2, 3, 4 given, wrong rows", "optimal",
+               "p", "p, σxx - σyy", "all three", "three f_n", "gppsz", "with p",
+               "4th singular value", "antisymmetric"]  # fmt: skip
+    print(f"| {' | '.join(columns)} |\n|" + "---|" * len(columns))
     for grains, mu, delta, count in groups:
         packings = make([Scene(grains, delta, friction=mu)] * count, range(500, 500 + count))
         found = [measured(p) for p in packings]
@@ -161,3 +185,18 @@ def stress(groups: Sequence[tuple[int, float, float, int]] = GROUPS) -> None:
         Z = np.mean([net(p).coordination for p in packings])
         print(f"| {grains} | {mu:g} | {delta:g} | {Z:.2f} | {'; '.join(ranks)} | "
               f"{' | '.join(cells)} |", flush=True)  # fmt: skip
+    told(groups[:4])
+
+
+def told(groups: Sequence[tuple[int, float, float, int]]) -> None:
+    """What `bounded`, which is told p, has beyond it: E at ξ = Δ."""
+    print(f"\n| N | μ | Δ | optimal, told p | {' | '.join(BOUNDED)} |\n|" + "---|" * 7)
+    for grains, mu, delta, count in groups:
+        packings = make([Scene(grains, delta, friction=mu)] * count, range(500, 500 + count))
+        values = np.array([
+            [prefactor_of(p, optimal_map(net(p), stress_rows(net(p))[:1])),
+             *(bounded_error(p, *choice) for choice in BOUNDED.values())] for p in packings
+        ])  # fmt: skip
+        errors = values.std(axis=0, ddof=1) / np.sqrt(count)
+        cells = [f"{m:.4f} ± {e:.4f}" for m, e in zip(values.mean(axis=0), errors, strict=True)]
+        print(f"| {grains} | {mu:g} | {delta:g} | {' | '.join(cells)} |", flush=True)
