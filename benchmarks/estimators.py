@@ -1,17 +1,19 @@
 """Studies of the estimators behind docs/estimators.md, one table each.
 
-    python -m benchmarks.estimators [laws] [prefactor] [size] [positions] [ratio] [ladder]
-                                    [ridge] [sensitivity] [prior] [coverage] [stiffness]
-                                    [time]
+    python -m benchmarks.estimators [laws] [prefactor] [measures] [size] [positions] [ratio]
+                                    [ladder] [ridge] [sensitivity] [stress] [prior] [coverage]
+                                    [stiffness] [time]
 
 laws       gains against loops per contact and hyperstaticity per unknown, over friction and N
 prefactor  these laws on packings they were not found on, and the decomposition that explains them
-size       the same K²/ℓ over N, and the b of its growth 1 + b/N towards small packings
+measures   C for two noises and three measures of the error, beside the Comment's 0.3
+size       the same K²/ℓ over N, and the b of its growth 1 + b/N, without and with the windings
 positions  how fast redundant radii are lost: the bound for noise ξ on diameters, ζ on positions
 ratio      balanced over gppsz over N and Δ
 ladder     what is known without any size or distance, and from what
 ridge      what stops the error at large noise: the prior, or the inequalities
 sensitivity  of `bounded` to a wrong friction, pressure or ξ
+stress     the modes that sizes and exact directions leave open, and what the mean stress closes
 prior      what the prior of `bounded` does
 coverage   of the credible intervals
 stiffness  wrong by one factor, spread over contacts, or the wrong contact law
@@ -29,17 +31,20 @@ from benchmarks.studies.bound import positions, ratio
 from benchmarks.studies.cost import times
 from benchmarks.studies.ladder import ladder
 from benchmarks.studies.laws import laws
+from benchmarks.studies.measures import measures
 from benchmarks.studies.prefactor import prefactor
 from benchmarks.studies.prior import measure_coverage, prior
 from benchmarks.studies.ridge import ridge
 from benchmarks.studies.sensitivity import sensitivity
 from benchmarks.studies.size import size
 from benchmarks.studies.stiffness import stiffness
+from benchmarks.studies.stress import stress
 from paper_figs.command import one_of, parser
 
 STUDIES = {
-    "laws": laws, "prefactor": prefactor, "size": size, "positions": positions, "ratio": ratio,
-    "ladder": ladder, "ridge": ridge, "sensitivity": sensitivity, "prior": prior,
+    "laws": laws, "prefactor": prefactor, "measures": measures, "size": size,
+    "positions": positions, "ratio": ratio, "ladder": ladder, "ridge": ridge,
+    "sensitivity": sensitivity, "stress": stress, "prior": prior,
     "coverage": measure_coverage, "stiffness": stiffness, "time": times,
 }  # fmt: skip
 

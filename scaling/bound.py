@@ -9,10 +9,12 @@ Process. Lett. 5, 177 (1998)),
     cov f  ⪰  J U (Uᵀ 𝓕 U)⁻¹ Uᵀ Jᵀ ,     J = ∂f/∂θ ,     ∂g/∂x includes ∂(M f)/∂x .
 
 The same matrix is κ² ξ² E Eᵀ with E the error map of the estimate `optimal`: a projection applied
-to the noise. So `optimal` attains the bound to first order in ξ, and that is how it is computed.
+to the noise. So `optimal`, told all data and their covariance, attains the
+bound to first order in ξ, and that is how it is computed.
 
-Counting: the 3N - 2 balances of a packing on the torus against the N sizes and c transverse
-forces. With exact positions the bound for size noise is 0 when c + N <= 3N - 2, Z <= 4 - 4/N:
+Counting, on the torus: the 3N - 2 balances of the N grains that are no rattlers, taken to be
+exact, against their N sizes and c transverse forces. With exact positions the bound for size
+noise is 0 when c + N <= 3N - 2, Z <= 4 - 4/N:
 sizes need not be measured at all. Without friction, N sizes against 2N - 2 balances: always.
 """
 

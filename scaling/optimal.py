@@ -10,7 +10,7 @@ With B and D of `scaling.sources` one step of Gauss and Newton is, in lengths φ
     [ C  -M_t ] (y ; φ_t) = F_ext/κ + M_n δ + C y₀ ,      C = M_n B + D(φ) ,   δ = σ - r
 
 linear for size noise; for position noise it is repeated at the new y (each correction is
-smaller by ~ξ). Exact positions and noisy sizes are the singular limit: below Z = 4 - 4/N the
+smaller by ~ξ). Exact positions and noisy sizes are the singular limit: for Z <= 4 - 4/N the
 3N - 2 balances determine all N sizes and c transverse forces, and the sizes measured are
 redundant. That too is what `scaling.constrained` solves.
 

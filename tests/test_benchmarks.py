@@ -14,12 +14,14 @@ import pytest
 import benchmarks
 from benchmarks import __main__ as bench
 from benchmarks import dem_trade, estimators, floor, ramps, relaxation, rounding, size, solvers
+from benchmarks.studies import measures as measures_study
 from benchmarks.studies import prior as prior_study
 from benchmarks.studies import size as size_study
+from benchmarks.studies import stress as stress_study
 from benchmarks.tiling import tiled
 from dem import refine, relax
 from paper_figs import __main__ as figures
-from scaling import force_equation, reconstruct, relative_error
+from scaling import amplification_of, force_equation, reconstruct, relative_error
 from tests.conftest import packing
 
 
@@ -233,3 +235,33 @@ def test_coverage_is_measured_with_and_without_friction(friction):
     assert 0 <= half < ninety <= 1
     assert min(width, mean, best) > 0
     assert true == pytest.approx(p.normal_forces.std() / p.normal_forces.mean())
+
+
+def test_readings_of_the_error_differ_by_exact_factors():
+    """Per vector √2 times the components, radii twice the diameters, and the first is C."""
+    p = packing(grains=48, delta=1e-3)
+    C = measures_study.prefactors(p)
+    assert C[0] == pytest.approx(amplification_of(p), rel=1e-9)
+    assert C[1] == pytest.approx(np.sqrt(2) * C[0], rel=1e-12)
+    np.testing.assert_allclose(measures_study.prefactors(p, "radius"), 2 * C, rtol=1e-9)
+    assert C[0] < C[2] < C[1]
+
+
+def test_growth_with_size_comes_from_the_windings_left_out():
+    """K²/ℓ of 24 packings each of 40 and 160 grains: with faces alone it falls by more than four
+    standard errors, and the windings take two thirds of that away at least."""
+    found = [size_study._measured(1e-3, n, range(24)) for n in (40, 160)]
+    fall = found[0].mean(axis=0) - found[1].mean(axis=0)
+    error = np.sqrt(sum(v.var(axis=0, ddof=1) / len(v) for v in found))
+    assert fall[0] > 4 * error[0]
+    assert fall[1] < fall[0] / 3
+
+
+def test_the_studies_print_their_tables(capsys):
+    stress_study.stress([(36, 0.3, 1e-3, 2)])
+    measures_study.measures([(1e-3, 0.3)], 36, 2)
+    size_study.size({30: 2, 36: 2, 48: 2}, [1e-2])
+    lines = capsys.readouterr().out.splitlines()
+    assert any("4 3 2 1 0 4" in line for line in lines)
+    assert sum("K²/ℓ" in line for line in lines) == 2
+    assert not any("nan" in line for line in lines)
