@@ -85,6 +85,8 @@ def _interior(task: Programme) -> Floats:
 def _whitened(task: Programme, start: Floats) -> tuple[Floats, Floats, Floats]:
     """(centre, basis, u) with z = centre + basis u, N(0, 1) in u, and u of `start`."""
     N = _null_space(task)
+    if N.shape[1] == 0:  # one state alone meets all conditions
+        return start, N, np.zeros(0)
     L = cholesky(N.T @ (task.P[:, None] * N), lower=True)
     basis = solve_triangular(L, N.T, lower=True).T
     u = basis.T @ (task.P * start + task.q)  # the gradient is u where the Hessian is 1

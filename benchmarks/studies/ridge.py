@@ -24,7 +24,7 @@ from scaling.programme import programme
 from scaling.sources import sources
 
 WIDE = Prior(1.0, 100.0, 50.0)
-RATIOS = 10.0 ** np.arange(-1, 4)
+RATIOS = np.array([0.1, 1.0, 10.0, 100.0, 1000.0])
 LARGEST_XI = 0.05
 DELTAS = (1e-4, 1e-6)
 COUNT = 8
