@@ -32,7 +32,8 @@ from scaling.extended import Extended, with_low_parts
 from scaling.lattice import reduced
 from scaling.loops import Loops, faces
 from scaling.resolution import warn_if_coarse
-from scaling.windings import Forest, spanning_forest, winding_loops
+from scaling.shortest_windings import winding_loops
+from scaling.windings import Forest, spanning_forest
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -259,7 +260,7 @@ class ContactNetwork(Immutable):
 
     @property
     def windings(self) -> Loops:
-        """Two loops round the periodic cell (none if open): see `scaling.windings`."""
+        """Two loops round the periodic cell (none if open): see `scaling.shortest_windings`."""
         return self._from_topology("windings", winding_loops)
 
     @property

@@ -9,6 +9,7 @@ GAIN = ("tests/scaling/test_error_propagation.py",)
 NETWORK = ("tests/scaling/test_contact_network.py",)
 EQUATION = ("tests/scaling/test_force_equation.py",)
 LOOPS = ("tests/scaling/test_loops.py",)
+WINDINGS = ("tests/scaling/test_shortest_windings.py",)
 STRESS = ("tests/scaling/test_stress_and_error.py",)
 
 SCALING = (
@@ -76,11 +77,18 @@ SCALING = (
         LOOPS,
     ),
     Mutation(
-        "winding loops: largest area for smallest",
-        "scaling/windings.py",
-        "np.unravel_index(np.argmin(area), area.shape)",
-        "np.unravel_index(np.argmax(np.where(np.isinf(area), 0, area)), area.shape)",
-        LOOPS,
+        "winding loops: as the spanning tree has them",
+        "scaling/shortest_windings.py",
+        "    shorter = True\n",
+        "    shorter = False\n",
+        WINDINGS,
+    ),
+    Mutation(
+        "winding loops: which cells are parallel",
+        "scaling/shortest_windings.py",
+        "(along[0] * b - along[1] * a) % 3",
+        "(along[0] * b + along[1] * a) % 3",
+        WINDINGS,
     ),
     Mutation(
         "faces: outside counted too",
