@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from packing.arrays import Floats, real_array
-from packing.numbers import flag, shown
+from packing.numbers import LARGEST, flag, shown
 
 
 def mean_force(forces: Any, *, frictional: bool | None = None) -> float:
@@ -58,7 +58,13 @@ def relative_error(predicted: Any, true: Any, *, frictional: bool | None = None)
         raise ValueError("the mean true force is 0: there is no relative error")
     if p.shape != f.shape:
         raise ValueError(f"predicted forces have shape {p.shape}, the true ones {f.shape}")
-    return float(np.sqrt(np.mean((p - f) ** 2))) / scale
+    error = float(np.sqrt(np.mean((p - f) ** 2)))
+    if error > LARGEST * scale:
+        raise ValueError(
+            f"the mean true force is {scale:.3g} beside differences of {error:.3g}: their ratio is "
+            f"beyond {LARGEST:g}"
+        )
+    return error / scale
 
 
 def mean_of(f: Floats, frictional: bool) -> float:

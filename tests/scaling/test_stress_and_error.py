@@ -98,3 +98,11 @@ def test_stress_of_too_few_forces_is_refused():
     n = triangle(0.99)
     with pytest.raises(ValueError, match="2 forces for 3 contacts: expected 3 or 6"):
         stress(n, np.ones(2), area=1.0)
+
+
+def test_true_forces_that_vanish_beside_the_difference_are_refused():
+    """Not infinite: the ratio overflows, and no such packing is known. The control is finite."""
+    found = np.full(6, 1e-2)
+    with pytest.raises(ValueError, match=r"the mean true force is 1.41e-202 .* beyond 1e\+140"):
+        relative_error(found, np.full(6, 1e-202), frictional=True)
+    assert relative_error(found, np.full(6, 1e-100), frictional=True) < 1e140
