@@ -61,8 +61,8 @@ def relative_error(predicted: Any, true: Any, *, frictional: bool | None = None)
     error = float(np.sqrt(np.mean((p - f) ** 2)))
     if error > LARGEST * scale:
         raise ValueError(
-            f"the mean true force is {scale:.3g} beside differences of {error:.3g}: their ratio is "
-            f"beyond {LARGEST:g}"
+            f"the mean true force is {scale:.3g} beside differences of {error:.3g}: "
+            f"their ratio is beyond {LARGEST:g}"
         )
     return error / scale
 
