@@ -8,9 +8,11 @@ with those changed.
 from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+
+T = TypeVar("T")
 
 
 class Immutable:
@@ -20,7 +22,7 @@ class Immutable:
         self.__dict__.update({name: read_only(value) for name, value in state.items()})
 
 
-def read_only(value: Any) -> Any:
+def read_only(value: T) -> T:
     """`value` with its arrays read-only: itself, entries of a sparse matrix, fields of a record.
 
     Tuples, lists and dictionaries are followed too; what is Immutable itself looks after its own
@@ -39,6 +41,7 @@ def read_only(value: Any) -> Any:
             read_only(getattr(value, f.name, None))
     elif hasattr(value, "indptr") and hasattr(value, "sum_duplicates"):
         # Compressed sparse rows or columns: SciPy adds up duplicates in place, on demand.
-        value.sum_duplicates()
-        value.data.flags.writeable = False
+        sparse: Any = value
+        sparse.sum_duplicates()
+        sparse.data.flags.writeable = False
     return value

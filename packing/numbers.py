@@ -32,14 +32,17 @@ def shown(value: Any) -> str:
 def whole_number(
     name: str, value: Any, least: int | None = None, most: int | float = 2**63 - 1
 ) -> int:
-    """`value` as a Python int, at least `least`; ValueError naming it if it is no whole number."""
+    """`value` as a Python int from `least` to `most`; ValueError naming it if it is none.
+
+    By default `most` is what an array can hold, of either sign.
+    """
     try:
         if isinstance(value, bool | np.bool_) or not np.isscalar(value):
             raise TypeError
         number = index(value)  # type: ignore[arg-type]  # a TypeError is the refusal
     except TypeError:
         raise ValueError(f"{name} = {shown(value)} is not a whole number") from None
-    if number > most:
+    if abs(number) > most:
         raise ValueError(f"{name} = {shown(number)} is beyond {most:g}")
     if least is not None and number < least:
         raise ValueError(f"{name} = {shown(number)}: at least {least} is needed")

@@ -9,24 +9,25 @@ Process. Lett. 5, 177 (1998)),
     cov f  ⪰  J U (Uᵀ 𝓕 U)⁻¹ Uᵀ Jᵀ ,     J = ∂f/∂θ ,     ∂g/∂x includes ∂(M f)/∂x .
 
 The same matrix is κ² ξ² E Eᵀ with E the error map of the estimate `optimal`: a projection applied
-to the noise. So `optimal`, told all data and their covariance, attains the
-bound to first order in ξ, and that is how it is computed.
+to the noise. So `optimal`, told all data and their covariance, attains the bound to first order in
+ξ, and that is how it is computed.
 
 Counting, on the torus: the 3N - 2 balances of the N grains that are no rattlers, taken to be
 exact, against their N sizes and c transverse forces. With exact positions the bound for size
-noise is 0 when c + N <= 3N - 2, Z <= 4 - 4/N:
-sizes need not be measured at all. Without friction, N sizes against 2N - 2 balances: always.
+noise is 0 when c + N <= 3N - 2, Z <= 4 - 4/N: sizes need not be measured at all. Without friction,
+N sizes against 2N - 2 balances: always.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from packing.numbers import choice, flag, instance
 from scaling.error_theory import ErrorMap, error_map
-from scaling.network import ContactNetwork
+
+if TYPE_CHECKING:
+    from scaling.network import ContactNetwork
 
 
 def cramer_rao(
@@ -45,15 +46,13 @@ def cramer_rao(
     Parameters: see `scaling.error_map`. `forces` are the true ones, for noisy positions; left out,
     the bound is that of directions known exactly in M, higher or lower by O(Δ).
     """
-    instance("network", network, ContactNetwork)
-    choice("data", data, ("all", "sizes"))
     return error_map(
         network,
         "optimal",
         noise,
         covariance=covariance,
         data=data,
-        frictional=flag("frictional", frictional),
+        frictional=frictional,
         forces=forces,
         stiffness=stiffness,
     )

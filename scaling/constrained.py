@@ -228,7 +228,8 @@ class ConstrainedLeastSquares:
         rank = int((s > _RANK_TOLERANCE * top).sum())
         Z = Vt[rank:].T
         inverse = (Vt[:rank].T / s[:rank]) @ U[:, :rank].T
-        rest = _thin_svd(self.A @ Z)
+        # NumPy's, as it decomposes a matrix without columns too.
+        rest = np.linalg.svd(self.A @ Z, full_matrices=False)
         # |A| is of order 1: what it sees of Z is compared with that.
         least = float(rest[1].min(initial=np.inf))
         return _Decomposition(
@@ -255,12 +256,3 @@ class ConstrainedLeastSquares:
         error = rounding_error(d.condition_rest, a - self.A @ u, self._size_of_weights, u)
         # B⁺b and Z are off by ε cond B, and what A sees of that is amplified by cond A Z.
         return Solved(u, error + 4 * EPS * d.condition * (1 + d.condition_rest), "dense")
-
-
-def _thin_svd(matrix: Floats) -> tuple[Floats, Floats, Floats]:
-    """(U, s, Vᵀ), of a matrix without columns too."""
-    if 0 in matrix.shape:
-        m, n = matrix.shape
-        return np.zeros((m, 0)), np.zeros(0), np.zeros((0, n))
-    U, s, Vt = svd(matrix, full_matrices=False)
-    return U, s, Vt

@@ -36,6 +36,7 @@ from scaling.network import ContactNetwork
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
 ROW = np.dtype([("kind", "U8"), ("index", np.int64)])
 
 
@@ -62,12 +63,8 @@ class Matrices(Immutable):
         if not self.winding:
             return loops
         around = self.network.windings
-        both = Loops(
-            csr_array(vstack([loops.incidence, around.incidence])),
-            np.concatenate([loops.images, around.images]),
-        )
-        read_only(both)
-        return both
+        both = csr_array(vstack([loops.incidence, around.incidence]))
+        return read_only(Loops(both, np.concatenate([loops.images, around.images])))
 
     @cached_property
     def Q(self) -> csr_array:
@@ -75,8 +72,7 @@ class Matrices(Immutable):
         n = self.network.normals
         Q = csr_array(vstack([self.loops.incidence @ diags_array(n[:, k]) for k in (0, 1)]))
         Q.eliminate_zeros()
-        read_only(Q)
-        return Q
+        return read_only(Q)
 
     @cached_property
     def rows(self) -> NDArray:
@@ -89,9 +85,7 @@ class Matrices(Immutable):
     @cached_property
     def G(self) -> csr_array:
         """[M ; (Q, 0)]."""
-        G = csr_array(vstack([self.M, self.closure]))
-        read_only(G)
-        return G
+        return read_only(csr_array(vstack([self.M, self.closure])))
 
     @cached_property
     def closure(self) -> csr_array:
@@ -222,9 +216,9 @@ def force_equation(
     are not discs.
     """
     instance("network", network, ContactNetwork)
-    flag("frictional", frictional)
+    frictional, winding = flag("frictional", frictional), flag("winding", winding)
     _refuse_unsupported_loads(network, frictional)
-    if flag("winding", winding) and len(network.windings) == 0:
+    if winding and len(network.windings) == 0:
         raise ValueError("winding=True, but the network does not wind a periodic cell")
     key = ("matrices", frictional, winding)
     matrices = network._from_geometry(key, lambda _: _assemble(network, frictional, winding))

@@ -80,7 +80,7 @@ class Reconstruction(Immutable):
     misfit : `optimal`, `bounded`: χ² per degree of freedom of the noise that had to be assumed,
         see `scaling.misfit`; None for other methods, for ξ = ∞ and where no condition is left over
     error_estimate : relative error of the forces that the solution of the equations leaves,
-        a posteriori, apart from any error of the data; NaN if no equation was solved
+        a posteriori, apart from any error of the data; what σ - r loses if no equation was solved
     """
 
     normal: Floats
