@@ -36,12 +36,10 @@ from benchmarks import (
     solvers,
     step_cost,
 )
+from benchmarks.folders import FULL, QUICK, ROOT
 from dem import Packing, Scene, refine, relax, relax_ensemble
 from paper_figs.command import one_of, parser
 from paper_figs.style import provenance, write
-
-ROOT = Path(__file__).resolve().parents[1]
-QUICK, FULL = ROOT / "build" / "benchmarks", ROOT / "benchmarks" / "results"
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Studies of the estimators behind docs/estimators.md, one table each.
 
     python -m benchmarks.estimators [laws] [prefactor] [measures] [size] [positions] [ratio]
-                                    [ladder] [ridge] [sensitivity] [stress] [prior] [coverage]
-                                    [stiffness] [time]
+                                    [ladder] [ridge] [sensitivity] [stress] [anisotropy]
+                                    [prior] [coverage] [stiffness] [time]
 
 laws       gains against loops per contact and hyperstaticity per unknown, over friction and N
 prefactor  these laws on packings they were not found on, and the decomposition that explains them
@@ -14,6 +14,7 @@ ladder     what is known without any size or distance, and from what
 ridge      what stops the error at large noise: the prior, or the inequalities
 sensitivity  of `bounded` to a wrong friction, pressure or ξ
 stress     the modes that sizes and exact directions leave open, and what the mean stress closes
+anisotropy  the components of the mean stress that pressure control leaves free
 prior      what the prior of `bounded` does
 coverage   of the credible intervals
 stiffness  wrong by one factor, spread over contacts, or the wrong contact law
@@ -27,6 +28,7 @@ from __future__ import annotations
 
 import time
 
+from benchmarks.studies.anisotropy import anisotropy
 from benchmarks.studies.bound import positions, ratio
 from benchmarks.studies.cost import times
 from benchmarks.studies.ladder import ladder
@@ -44,7 +46,7 @@ from paper_figs.command import one_of, parser
 STUDIES = {
     "laws": laws, "prefactor": prefactor, "measures": measures, "size": size,
     "positions": positions, "ratio": ratio, "ladder": ladder, "ridge": ridge,
-    "sensitivity": sensitivity, "stress": stress, "prior": prior,
+    "sensitivity": sensitivity, "stress": stress, "anisotropy": anisotropy, "prior": prior,
     "coverage": measure_coverage, "stiffness": stiffness, "time": times,
 }  # fmt: skip
 

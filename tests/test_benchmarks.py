@@ -13,7 +13,17 @@ import pytest
 
 import benchmarks
 from benchmarks import __main__ as bench
-from benchmarks import dem_trade, estimators, floor, ramps, relaxation, rounding, size, solvers
+from benchmarks import (
+    dem_trade,
+    estimators,
+    floor,
+    ramps,
+    relaxation,
+    rounding,
+    same_packing,
+    size,
+    solvers,
+)
 from benchmarks.studies import measures as measures_study
 from benchmarks.studies import prior as prior_study
 from benchmarks.studies import size as size_study
@@ -206,7 +216,7 @@ def test_every_part_writes_through_the_folder_of_its_run():
     """No other path to the committed results is left in the benchmarks."""
     folder = Path(benchmarks.__file__).parent
     for module in folder.rglob("*.py"):
-        assert ('"results"' in module.read_text()) == (module.name == "__main__.py"), module.name
+        assert ('"results"' in module.read_text()) == (module.name == "folders.py"), module.name
 
 
 def test_the_growth_with_size_has_the_error_it_claims():
@@ -265,3 +275,23 @@ def test_the_studies_print_their_tables(capsys):
     assert any("4 3 2 1 0 4" in line for line in lines)
     assert sum("K²/ℓ" in line for line in lines) == 2
     assert not any("nan" in line for line in lines)
+
+
+def test_the_same_packing_is_told_from_another():
+    """No contact and no force differs from itself; a scaled force does, and another seed (the
+    control) shares next to no contact."""
+    p = packing(grains=48, delta=1e-3)
+    assert same_packing.difference(p, p) == (0, 0.0, 0.0)
+    other = packing(grains=48, delta=1e-3, seed=2)
+    changed, largest, _ = same_packing.difference(p, other)
+    assert changed > len(p.pairs)
+    assert largest > 0.1
+
+
+def test_a_packing_stopped_earlier_is_compared_with_the_last():
+    """Rows of every tolerance that comes to rest, all in balance, whatever contacts they have."""
+    rows = np.array(same_packing.measure((36, 1e-2, 1)), same_packing.TABLE)
+    assert set(rows["tolerance"]) <= set(same_packing.TOLERANCES)
+    assert rows["tolerance"][0] == same_packing.TOLERANCES[0]
+    assert rows["residual"].max() <= 1e-9
+    assert same_packing.text(rows).count("\n| 0.01 |") == len(rows)

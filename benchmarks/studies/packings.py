@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.__main__ import FULL as RESULTS
+from benchmarks.folders import FULL as RESULTS
 from dem import Packing, Scene, Settings, relax_ensemble
 from paper_figs.packings import FULL, ROOT, one, seed_of
 from paper_figs.style import provenance, write, write_table
