@@ -91,7 +91,7 @@ def plot(table: np.ndarray) -> Figure:
         axes.set_title(title + " noisy", loc="left")
     a.legend(loc="upper left")
     a.text(
-        0.03, 0.1, "exact positions,\n" r"$Z<4-4/N$: bound 0", transform=a.transAxes,
+        0.03, 0.1, "exact positions,\n" r"$Z\leq 4-4/N$: bound 0", transform=a.transAxes,
         fontsize=6.5,
     )  # fmt: skip
     law = table["K_gppsz_diameter"] ** 2 / table["loops"]
