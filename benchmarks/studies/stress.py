@@ -180,7 +180,7 @@ def stress(groups: Sequence[tuple[int, float, float, int]] = GROUPS) -> None:
         ranks = sorted({" ".join(map(str, r)) for r, _ in found})
         values = np.array([v for _, v in found])
         errors = values.std(axis=0, ddof=1) / np.sqrt(count)
-        cells = [f"{m:.3f} ± {e:.3f}" if m > 0.01 else f"{m:.1e} ± {e:.0e}"
+        cells = [f"{m:.4f} ± {e:.4f}" if m > 0.01 else f"{m:.1e} ± {e:.0e}"
                  for m, e in zip(values.mean(axis=0), errors, strict=True)]  # fmt: skip
         Z = np.mean([net(p).coordination for p in packings])
         print(f"| {grains} | {mu:g} | {delta:g} | {Z:.2f} | {'; '.join(ranks)} | "
