@@ -37,7 +37,6 @@ def tops(module: Path) -> set[str]:
         ("dem", {"scaling", "paper_figs", "tests", "sympy"}),
         ("scaling", {"dem", "paper_figs", "tests"}),
         ("packing", {"dem", "scaling", "paper_figs", "tests", "sympy", "matplotlib"}),
-        ("doubledouble", {"dem", "scaling", "scipy", "sympy", "matplotlib"}),
     ],
 )
 def test_packages_do_not_know_each_other(package, forbidden):

@@ -18,7 +18,7 @@ import scaling
 from tests.lowest import declared, pinned
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("scaling", "dem", "packing", "doubledouble")
+PACKAGES = ("scaling", "dem", "packing")
 
 
 @pytest.fixture(scope="module")

@@ -18,8 +18,9 @@ from hypothesis import strategies as st
 
 import scaling
 from scaling import symbolic
-from scaling.symbolic import bowtie, bridge, rhombus, ring, square, squared_gain, triangle, wheel
-from scaling.symbolic.networks import u, v
+from scaling.symbolic import bowtie, rhombus, ring, square, squared_gain, triangle, wheel
+from scaling.symbolic.loops.named_networks import u, v
+from scaling.symbolic.numeric import lambdify
 
 EPS = np.finfo(float).eps
 NETWORKS = {
@@ -61,16 +62,16 @@ def rows_matched(exact, numeric):
 
 
 def compare(network, values, frictional):
-    numeric = bridge.contact_network(network, values)
+    numeric = lambdify.contact_network(network, values)
     equation = scaling.force_equation(numeric, frictional=frictional)
-    M, Q, G = bridge.matrices(network, frictional, values)
+    M, Q, G = lambdify.matrices(network, frictional, values)
     size = numeric.positions.max() / numeric.radii.min()  # normals from rounded centres
     entry = 20 * EPS * max(size, 1)
     np.testing.assert_allclose(equation.M.toarray(), M, rtol=0, atol=entry)
     assert rows_matched(Q, equation.Q.toarray()) < entry
     condition = np.linalg.cond(G)
     K = scaling.gain(numeric, frictional=frictional) / numeric.mean_diameter
-    expected = bridge.gain(network, frictional, values=values)
+    expected = lambdify.gain(network, frictional, values=values)
     assert pytest.approx(expected, rel=entry * condition) == K
     return K, entry * condition
 
@@ -97,9 +98,9 @@ def test_forces_agree(geometry, delta, seed):
     """Truth first: choose f, load the grains with -Mf, close the loops with Qf Δ, recover f."""
     name, values = geometry
     network = NETWORKS[name]
-    M, _, G = bridge.matrices(network, True, values)
+    M, _, G = lambdify.matrices(network, True, values)
     f = np.random.default_rng(seed).uniform(0.1, 1, G.shape[1])
-    numeric = bridge.contact_network(network, values)
+    numeric = lambdify.contact_network(network, values)
     loads = -(M @ f).reshape(3, -1).T * delta
     loads[:, 2] *= numeric.radii
     loaded = scaling.ContactNetwork(
@@ -119,9 +120,9 @@ def test_forces_agree(geometry, delta, seed):
 def test_every_kind_of_noise_agrees(name, noise):
     """K of the numeric package is a length, the exact one is per mean diameter."""
     network = NETWORKS[name].at()
-    numeric = bridge.contact_network(network)
+    numeric = lambdify.contact_network(network)
     K = scaling.gain(numeric, noise=noise) / numeric.mean_diameter
-    condition = np.linalg.cond(bridge.matrices(network)[2])
+    condition = np.linalg.cond(lambdify.matrices(network)[2])
     exact = np.sqrt(float(squared_gain(network, noise=noise)))
     assert pytest.approx(exact, rel=100 * EPS * condition) == K
 
@@ -129,7 +130,7 @@ def test_every_kind_of_noise_agrees(name, noise):
 def test_amplification_of_a_loaded_rhombus():
     """C = K p/⟨|f|⟩ with explicit forces; no forces are needed for K itself."""
     network = NETWORKS["rhombus"]
-    numeric = bridge.contact_network(network)
+    numeric = lambdify.contact_network(network)
     f = np.array([3, 1, 2, 1, 2, 0, 0.3, -0.1, 0.2, 0.1])
     K2 = float(GAINS["rhombus", True].subs(network.sample))
     expected = np.sqrt(K2) * numeric.mean_diameter * 2.5 / np.hypot(f[:5], f[5:]).mean()
@@ -140,18 +141,18 @@ def test_amplification_of_a_loaded_rhombus():
 def test_a_flipped_tangent_is_noticed():
     """Negative control: with t turned by -90° the numeric M is not the symbolic one."""
     network = rhombus()
-    M, *_ = bridge.matrices(network)
+    M, *_ = lambdify.matrices(network)
     flipped = M.copy()
     flipped[: 2 * network.grains, network.contacts :] *= -1
-    numeric = scaling.force_equation(bridge.contact_network(network)).M.toarray()
+    numeric = scaling.force_equation(lambdify.contact_network(network)).M.toarray()
     assert np.abs(numeric - flipped).max() > 0.5
 
 
 def test_bad_parameters_name_the_culprit():
     with pytest.raises(ValueError, match="triangle has no free parameter q"):
-        bridge.matrices(triangle(), values={sp.Symbol("q"): 1.0})
+        lambdify.matrices(triangle(), values={sp.Symbol("q"): 1.0})
     with pytest.raises(ValueError, match="not all positive"):
-        bridge.contact_network(triangle(), {u: 2.0, v: 3.0})
+        lambdify.contact_network(triangle(), {u: 2.0, v: 3.0})
 
 
 def test_importing_scaling_loads_no_sympy():
@@ -168,8 +169,8 @@ def test_symbolic_loads_no_matplotlib():
 
 def test_only_the_bridge_lambdifies():
     folder = Path(scaling.__file__).parent / "symbolic"
-    users = [path.stem for path in folder.glob("*.py") if "lambdify(" in path.read_text()]
-    assert users == ["bridge"]
+    users = [path.stem for path in folder.rglob("*.py") if "lambdify(" in path.read_text()]
+    assert users == ["lambdify"]
 
 
 @pytest.mark.parametrize("exponent", [1, 1.5, 2])
@@ -177,22 +178,22 @@ def test_only_the_bridge_lambdifies():
 def test_functions_keep_the_shape_of_their_arguments(exponent, shape):
     """Also those that are constant: the slope of the linear law, the torque rows of a contact."""
     y = np.full(shape, 0.5)
-    for function in bridge.law(exponent):
+    for function in lambdify.law(exponent):
         assert function(y).shape == shape
-    np.testing.assert_allclose(bridge.law(exponent)[1](y), exponent * 0.5 ** (exponent - 1))
-    block = bridge.contact_block()(y, y)
+    np.testing.assert_allclose(lambdify.law(exponent)[1](y), exponent * 0.5 ** (exponent - 1))
+    block = lambdify.contact_block()(y, y)
     assert {np.shape(entry) for row in block for entry in row} == {shape}
-    orders = bridge.expansion()(y, 0 * y, 0.1 * y)
+    orders = lambdify.expansion()(y, 0 * y, 0.1 * y)
     assert {np.shape(entry) for order in orders for entry in order} == {shape}
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: bridge.law("1"), "exponent"),
-        (lambda: bridge.law(0.5)[1](np.array([1.0, 0.0])), "y = .*0.0.* not finite"),
-        (lambda: bridge.law(1)[0](np.ma.masked_array([1.0], [True])), "y is a masked array"),
-        (lambda: bridge.matrices(symbolic.square(), values={"u": 1}), "no free parameter u"),
+        (lambda: lambdify.law("1"), "exponent"),
+        (lambda: lambdify.law(0.5)[1](np.array([1.0, 0.0])), "y = .*0.0.* not finite"),
+        (lambda: lambdify.law(1)[0](np.ma.masked_array([1.0], [True])), "y is a masked array"),
+        (lambda: lambdify.matrices(symbolic.square(), values={"u": 1}), "no free parameter u"),
         (lambda: symbolic.ring("5"), "n = '5'"),
         (lambda: symbolic.ring([5]), "n = .*5"),
         (lambda: symbolic.wheel(2**70), "n = 1180591620717411303424 is beyond"),

@@ -21,11 +21,11 @@ from scaling.symbolic import (
     wheel,
     wheel_squared_gain,
 )
-from scaling.symbolic.closed_forms import elementary, in_radii, in_sine, sine
-from scaling.symbolic.fourier import closure_defect, n, theta
-from scaling.symbolic.limits import large_ring, leading, table_of_limits
-from scaling.symbolic.networks import u, v
-from scaling.symbolic.wheel_waves import wave_term
+from scaling.symbolic.loops.closed_forms import elementary, in_radii, in_sine, sine
+from scaling.symbolic.loops.fourier import closure_defect, n, theta
+from scaling.symbolic.loops.limits import large_ring, leading, table_of_limits
+from scaling.symbolic.loops.named_networks import u, v
+from scaling.symbolic.loops.wheel_waves import wave_term
 
 
 @pytest.mark.parametrize("frictional", [False, True])

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
-from scaling.symbolic import bowtie, closure, loop_gaps, rhombus, ring, square, triangle, wheel
-from scaling.symbolic.closure import Lambda, centre, n
+from scaling.symbolic import bowtie, loop_gaps, rhombus, ring, square, triangle, wheel
+from scaling.symbolic.inputs import closure
+from scaling.symbolic.inputs.closure import Lambda, centre, n
 
 NETWORKS = [triangle(), square(), rhombus(), bowtie(), ring(6), ring(7), wheel(3), wheel(5)]
 

@@ -8,8 +8,8 @@ import sympy as sp
 
 from scaling import ContactNetwork, force_equation
 from scaling.symbolic import pseudo_inverse, triangle
-from scaling.symbolic.common_mode import chain_response, epsilon, face_response
-from scaling.symbolic.contact import Delta
+from scaling.symbolic.argument.common_mode import chain_response, epsilon, face_response
+from scaling.symbolic.inputs.contact_law import Delta
 
 
 def response(network, packing, factor, winding):

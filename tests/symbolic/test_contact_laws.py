@@ -8,17 +8,11 @@ import sympy as sp
 from sympy.physics import units
 
 from scaling import force_equation
-from scaling.symbolic import (
-    bridge,
-    contact,
-    dimensions,
-    hertz,
-    newton,
-    ring,
-    ring_squared_gain,
-    series,
-)
-from scaling.symbolic.fourier import n, theta
+from scaling.symbolic import ring, ring_squared_gain
+from scaling.symbolic.inputs import contact_law, dimensions, hertz
+from scaling.symbolic.loops import hertz_series
+from scaling.symbolic.loops.fourier import n, theta
+from scaling.symbolic.numeric import lambdify, nonlinear_law
 
 HERTZ = sp.Rational(3, 2)
 
@@ -51,7 +45,7 @@ def test_sphere_law_is_hertz():
 
 
 def test_hertzian_delta_has_the_stated_prefactor():
-    p = contact.pressure
+    p = contact_law.pressure
     ratio = hertz.deformation_scale(p) / (p / hertz.young) ** sp.Rational(2, 3)
     assert sp.simplify(ratio**3 - (3 * (1 - hertz.nu**2)) ** 2) == 0
 
@@ -71,7 +65,12 @@ def test_disk_compression_is_johnson_5_57():
 
 
 def test_delta_is_the_only_group_even_with_density():
-    p, kappa, sigma, rho = contact.pressure, contact.kappa, dimensions.sigma, dimensions.rho
+    p, kappa, sigma, rho = (
+        contact_law.pressure,
+        contact_law.kappa,
+        dimensions.sigma,
+        dimensions.rho,
+    )
     (group,) = dimensions.groups([p, kappa, sigma, rho], dimensions.PLANE)
     assert sp.simplify(group * p / kappa) == 1
     (sphere,) = dimensions.groups([p, hertz.young, sigma, rho], dimensions.SPHERES)
@@ -80,7 +79,12 @@ def test_delta_is_the_only_group_even_with_density():
 
 
 def test_groups_are_dimensionless_and_sizes_are_refused():
-    quantities = [contact.pressure, contact.kappa, dimensions.sigma, dimensions.force_scale]
+    quantities = [
+        contact_law.pressure,
+        contact_law.kappa,
+        dimensions.sigma,
+        dimensions.force_scale,
+    ]
     D = dimensions.dimension_matrix(quantities, dimensions.PLANE)
     assert len(dimensions.groups(quantities, dimensions.PLANE)) == len(quantities) - D.rank() == 2
     with pytest.raises(ValueError, match="no dimensions known for q"):
@@ -99,25 +103,27 @@ def test_sandpile_is_of_order_1e_minus_5():
 
 def test_law_and_its_odd_continuation():
     for exponent in (1, 1.5, 2):
-        force, slope = bridge.law(exponent)
+        force, slope = lambdify.law(exponent)
         y = np.array([-2.0, -0.5, 0.25, 3.0])
         np.testing.assert_allclose(force(-y), -force(y))
         h = 1e-6
         numeric = (force(y + h) - force(y - h)) / (2 * h)
         np.testing.assert_allclose(slope(y), numeric, rtol=1e-8)
         f = sp.Symbol("f", real=True)
-        inverse = sp.lambdify(f, contact.signed_overlap(f, exponent).subs(contact.kappa, 1))
+        inverse = sp.lambdify(
+            f, contact_law.signed_overlap(f, exponent).subs(contact_law.kappa, 1)
+        )
         np.testing.assert_allclose(inverse(force(y)), y, rtol=1e-13)
 
 
 def test_direct_method_is_alpha_times_as_sensitive_at_unit_force():
-    assert sp.simplify(contact.direct_amplification(sp.S.One) - contact.alpha) == 0
-    assert contact.direct_amplification(sp.Symbol("f", positive=True), sp.S.One) == 1
+    assert sp.simplify(contact_law.direct_amplification(sp.S.One) - contact_law.alpha) == 0
+    assert contact_law.direct_amplification(sp.Symbol("f", positive=True), sp.S.One) == 1
 
 
 def test_gppsz_amplification_of_hertz_on_rings():
     """K_α/K_1 for f̂ = 1: 7α/(2α²+5) for the triangle, α for long rings; measured 1.105, 1.5."""
-    alpha = contact.alpha
+    alpha = contact_law.alpha
     ratio = ring_squared_gain(True, alpha) / ring_squared_gain(True)
     at = lambda size: ratio.subs(theta, 2 * sp.pi / n).subs(n, size)  # noqa: E731
     assert sp.simplify(at(3) - 49 * alpha**2 / (2 * alpha**2 + 5) ** 2) == 0
@@ -138,7 +144,7 @@ def test_gppsz_amplification_of_hertz_on_a_packing(equation):
     """Forces of a packing, the same for every law: about α, as for the direct method."""
     M, Q, f, A = equation
     linear, hertzian = (
-        np.linalg.norm(newton.response(M, Q, f, exponent) @ A) for exponent in (1, 1.5)
+        np.linalg.norm(nonlinear_law.response(M, Q, f, exponent) @ A) for exponent in (1, 1.5)
     )
     assert 1.3 < hertzian / linear < 2.0
 
@@ -147,9 +153,9 @@ def test_linear_contacts_have_no_crossover(equation):
     M, Q, f, A = equation
     c = Q.shape[1]
     eta = A @ np.random.default_rng(0).standard_normal(A.shape[1])
-    response = newton.response(M, Q, f, 1) @ eta
+    response = nonlinear_law.response(M, Q, f, 1) @ eta
     for zeta in (1e-3, 1.0, 1e2):
-        found = newton.reconstruct(M, Q, -M @ f, Q @ (f[:c] + zeta * eta), 1, f)
+        found = nonlinear_law.reconstruct(M, Q, -M @ f, Q @ (f[:c] + zeta * eta), 1, f)
         tolerance = 1e-12 * np.linalg.norm(f) + 1e-12 * zeta * np.linalg.norm(response)
         assert np.linalg.norm(found - f - zeta * response) < tolerance
 
@@ -160,10 +166,10 @@ def test_linear_response_of_hertzian_contacts_ends_at_xi_of_order_delta(equation
     c = Q.shape[1]
     y = f[:c] ** (1 / 1.5)
     eta = A @ np.random.default_rng(0).standard_normal(A.shape[1])
-    response = newton.response(M, Q, f, 1.5) @ eta
+    response = nonlinear_law.response(M, Q, f, 1.5) @ eta
     remainder = {}
     for zeta in (1e-4, 3e-4, 1e-3, 1.0):
-        change = newton.reconstruct(M, Q, -M @ f, Q @ (y + zeta * eta), 1.5, f) - f
+        change = nonlinear_law.reconstruct(M, Q, -M @ f, Q @ (y + zeta * eta), 1.5, f) - f
         remainder[zeta] = np.linalg.norm(change - zeta * response)
         if zeta >= 1:
             assert remainder[zeta] > 0.2 * np.linalg.norm(change)
@@ -175,10 +181,10 @@ def test_linear_response_of_hertzian_contacts_ends_at_xi_of_order_delta(equation
 def test_newton_refuses_what_it_cannot_do(equation):
     M, Q, f, _ = equation
     with pytest.raises(ValueError, match="contact 2 carries no compressive force"):
-        newton.response(M, Q, np.where(np.arange(len(f)) == 2, -1.0, np.abs(f)), 1.5)
+        nonlinear_law.response(M, Q, np.where(np.arange(len(f)) == 2, -1.0, np.abs(f)), 1.5)
     gaps = Q @ (f[: Q.shape[1]] * 3)
-    with pytest.raises(newton.NotConverged, match="after 1 steps"):
-        newton.reconstruct(M, Q, -M @ f, gaps, 1.5, f, steps=1)
+    with pytest.raises(nonlinear_law.NotConverged, match="after 1 steps"):
+        nonlinear_law.reconstruct(M, Q, -M @ f, gaps, 1.5, f, steps=1)
 
 
 def test_series_radius_is_the_distance_to_the_nearest_singularity():
@@ -186,50 +192,52 @@ def test_series_radius_is_the_distance_to_the_nearest_singularity():
 
     The ratio estimate is off by O(1/order²).
     """
-    fold = series.nearest_singularity()
+    fold = hertz_series.nearest_singularity()
     assert fold.imag == pytest.approx(0, abs=1e-6)
-    assert series.radius(24) == pytest.approx(abs(fold), rel=1 / 24**2)
+    assert hertz_series.radius(24) == pytest.approx(abs(fold), rel=1 / 24**2)
 
 
 def test_series_starts_with_the_linear_response():
     """First coefficient of y = w² against Newton's linearisation solved by hand."""
-    w_0, w_1 = (series.coefficients(1)[k][1] for k in (0, 1))
-    first, second = series.stationarity()
-    at_rest = {series.w_0: 1, series.w_1: 1, series.zeta: 0}
+    w_0, w_1 = (hertz_series.coefficients(1)[k][1] for k in (0, 1))
+    first, second = hertz_series.stationarity()
+    at_rest = {hertz_series.w_0: 1, hertz_series.w_1: 1, hertz_series.zeta: 0}
     assert [x.subs(at_rest) for x in (first, second)] == [0, 0]
     for equation in (first, second):
         total = (
-            equation.diff(series.w_0) * w_0
-            + equation.diff(series.w_1) * w_1
-            + equation.diff(series.zeta)
+            equation.diff(hertz_series.w_0) * w_0
+            + equation.diff(hertz_series.w_1) * w_1
+            + equation.diff(hertz_series.zeta)
         )
         assert total.subs(at_rest) == 0
 
 
 def test_truncated_series_solves_the_equations_inside_its_radius():
     order, zeta = 24, sp.Rational(1, 2)
-    w = [sum(c * zeta**k for k, c in enumerate(s)) for s in series.coefficients(order)]
-    values = {series.w_0: w[0], series.w_1: w[1], series.zeta: zeta}
+    w = [sum(c * zeta**k for k, c in enumerate(s)) for s in hertz_series.coefficients(order)]
+    values = {hertz_series.w_0: w[0], hertz_series.w_1: w[1], hertz_series.zeta: zeta}
     ratio = float(zeta) / 4.055
-    for equation in series.stationarity():
+    for equation in hertz_series.stationarity():
         assert abs(float(equation.subs(values))) < 10 * ratio ** (order + 1)
 
 
 @pytest.mark.parametrize("zeta", [-1.0, 0.3, 1.0])
 def test_series_is_what_newton_finds_on_the_triangle(zeta):
     """The same least squares by two routes: rational series and floating-point iteration."""
-    M, Q, _ = bridge.matrices(ring(3), frictional=False)
+    M, Q, _ = lambdify.matrices(ring(3), frictional=False)
     ones = np.ones(3)
     eta = np.array([0.5, 0.0, 0.5])  # ring contacts (0, 1), (1, 2), (0, 2): grain 0 is too large
-    found = newton.reconstruct(M, Q, -M @ ones, Q @ (ones + zeta * eta), 1.5, ones)
-    w_0, w_1 = (sum(float(c) * zeta**k for k, c in enumerate(s)) for s in series.coefficients(24))
+    found = nonlinear_law.reconstruct(M, Q, -M @ ones, Q @ (ones + zeta * eta), 1.5, ones)
+    w_0, w_1 = (
+        sum(float(c) * zeta**k for k, c in enumerate(s)) for s in hertz_series.coefficients(24)
+    )
     # what the series leaves out: (ζ/4.055)^25
     np.testing.assert_allclose(found, [w_0**3, w_1**3, w_0**3], rtol=1e-9)
 
 
 def test_a_density_is_a_mass_per_area_of_disks_and_per_volume_of_spheres():
     """With a rate ω to measure time by, √(ρ/p) ω⟨σ⟩ is the one group, in plane and space alike."""
-    p, sigma, rho = contact.pressure, dimensions.sigma, dimensions.rho
+    p, sigma, rho = contact_law.pressure, dimensions.sigma, dimensions.rho
     rate = sp.Symbol("omega", positive=True)
     inertia = sp.sqrt(rho / p) * rate * sigma
     for table in (dimensions.PLANE, dimensions.SPHERES):

@@ -8,10 +8,10 @@ import pytest
 import sympy as sp
 
 from scaling.symbolic import Step, common_mode_steps, derivation, perturbation_steps
-from scaling.symbolic.contact import Delta, alpha, kappa, pressure
-from scaling.symbolic.force_equation import equation_steps
-from scaling.symbolic.general_triangle import GeneralTriangle
-from scaling.symbolic.step import vanishes
+from scaling.symbolic.argument.equation_steps import equation_steps
+from scaling.symbolic.argument.general_triangle import GeneralTriangle
+from scaling.symbolic.argument.step import vanishes
+from scaling.symbolic.inputs.contact_law import Delta, alpha, kappa, pressure
 
 ALL = {step.name: step for step in derivation()}
 MORE = [*perturbation_steps(), *common_mode_steps()]

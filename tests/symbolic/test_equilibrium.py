@@ -6,8 +6,8 @@ import pytest
 import sympy as sp
 
 from scaling.symbolic import bowtie, rhombus, ring, square, triangle, wheel
-from scaling.symbolic.equilibrium import balance_matrix, force_on_first, resultants, tangent
-from scaling.symbolic.field import ExactField
+from scaling.symbolic.inputs.equilibrium import balance_matrix, force_on_first, resultants, tangent
+from scaling.symbolic.loops.number_field import ExactField
 
 NETWORKS = [triangle(), square(), rhombus(), bowtie(), ring(5), wheel(4)]
 

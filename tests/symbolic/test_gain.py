@@ -20,7 +20,7 @@ from scaling.symbolic import (
     triangle,
     wheel,
 )
-from scaling.symbolic.gain import noise_map
+from scaling.symbolic.loops.gain import noise_map
 
 POINT = [triangle().at(), square().at(), rhombus().at(), bowtie().at()]  # rational geometries
 

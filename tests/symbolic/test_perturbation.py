@@ -7,9 +7,9 @@ import pytest
 import sympy as sp
 
 from scaling import ContactNetwork, force_equation, reconstruct
-from scaling.symbolic.exact_expansion import ExactExpansion, pythagorean_triangle
-from scaling.symbolic.linearisation import Linearisation
-from scaling.symbolic.perturbation import across, along, contact_expansion, distance
+from scaling.symbolic.argument.exact_expansion import ExactExpansion, pythagorean_triangle
+from scaling.symbolic.argument.perturbation import across, along, contact_expansion, distance
+from scaling.symbolic.numeric.second_order import Linearisation
 
 FORCES = sp.Matrix([2, 1, 3, sp.Rational(1, 5), sp.Rational(-1, 10), sp.Rational(1, 4)])
 SIZES = sp.Matrix([1, sp.Rational(-1, 2), sp.Rational(1, 3)])

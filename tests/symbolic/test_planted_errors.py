@@ -14,25 +14,23 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from scaling.symbolic import (
+from scaling.symbolic import perturbation_steps
+from scaling.symbolic.argument import common_mode, perturbation
+from scaling.symbolic.argument import equation_steps as equation
+from scaling.symbolic.argument.general_triangle import GeneralTriangle
+from scaling.symbolic.argument.naive_readings import reading_steps
+from scaling.symbolic.argument.scale_steps import scale_steps
+from scaling.symbolic.argument.size_noise_steps import error_steps
+from scaling.symbolic.argument.statics_steps import statics_steps
+from scaling.symbolic.inputs import (
     closure,
-    common_mode,
-    contact,
+    contact_law,
     dimensions,
     equilibrium,
-    gain,
     hertz,
     kinematics,
-    networks,
-    perturbation,
-    perturbation_steps,
 )
-from scaling.symbolic import force_equation as equation
-from scaling.symbolic.general_triangle import GeneralTriangle
-from scaling.symbolic.readings import reading_steps
-from scaling.symbolic.scales import scale_steps
-from scaling.symbolic.size_noise import error_steps
-from scaling.symbolic.statics import statics_steps
+from scaling.symbolic.loops import gain, named_networks
 from tests.symbolic.test_derivation import ALL, MORE
 
 PARTS = {
@@ -112,7 +110,7 @@ def face_walked_back():
     return replace(TRIANGLE, loops=(((0, 1), (2, 1), (1, 1)),))
 
 
-TRIANGLE, NOISE_MAP = networks.triangle(), gain.noise_map
+TRIANGLE, NOISE_MAP = named_networks.triangle(), gain.noise_map
 EXPANSION = perturbation.contact_expansion()
 
 
@@ -144,7 +142,7 @@ def closure_with_sum(Q, dQ, size_noise, dr, stiffness):
 
 MECHANICS = ("statics: moment", "statics: virtual work", "equation: balance", "equation: Eq. 1")
 LOOPS = ("geometry: displaced centres", "readings: fate of both")
-alpha, kappa = contact.alpha, contact.kappa
+alpha, kappa = contact_law.alpha, contact_law.kappa
 second_image = lambda a, b, image=kinematics.HERE: (  # noqa: E731
     b[0] - image[0] - a[0],
     b[1] - image[1] - a[1],
@@ -197,7 +195,7 @@ ERRORS = {
         (*LOOPS, "geometry: winding", "common mode: faces", "common mode: windings"),
     ),
     "one contact of a face the wrong way": (
-        networks.triangle,
+        named_networks.triangle,
         face_walked_back,
         (*LOOPS, "equation: general law"),
     ),
@@ -218,7 +216,7 @@ ERRORS = {
     ),
     "overlap left in Q": (
         closure.loop_vector,
-        loop_sum(lambda place, sign: sign / contact.Delta),
+        loop_sum(lambda place, sign: sign / contact_law.Delta),
         ("readings: G knows no contact scale", "geometry: displaced centres"),
     ),
     "Λ dropped": (
@@ -228,44 +226,44 @@ ERRORS = {
     ),
     "wrong image": (kinematics.branch, second_image, ("geometry: winding",)),
     "κ inverted": (
-        contact.overlap,
+        contact_law.overlap,
         lambda f, exponent=alpha: (f * kappa) ** (1 / exponent),
         ("geometry: contact law", "equation: loop rows", "equation: Eq. 1", "statics: moment"),
     ),
     "α for 1/α": (
-        contact.overlap,
+        contact_law.overlap,
         lambda f, exponent=alpha: (f / kappa) ** exponent,
         ("geometry: contact law", "equation: general law", "errors: direct method"),
     ),
     "1/α for α in the force": (
-        contact.force,
+        contact_law.force,
         lambda overlap, exponent=alpha: kappa * overlap ** (1 / exponent),
         ("geometry: contact law",),
     ),
     "Δ = p/κ for every α": (
-        contact.deformation_scale,
-        lambda exponent=alpha: contact.pressure / kappa,
+        contact_law.deformation_scale,
+        lambda exponent=alpha: contact_law.pressure / kappa,
         ("equation: general law", "scales: dimensional analysis"),
     ),
     "Jacobian dropped": (
-        contact.compliance,
+        contact_law.compliance,
         lambda force, exponent=alpha: sp.S.One,
         ("errors: direct method", "common mode: direct method"),
     ),
     "sign of the overlap": (
-        contact.compression,
+        contact_law.compression,
         lambda diameter, distance: distance - diameter,
         ("geometry: closure in overlaps", "statics: virtual work", "statics: rigid motion",
          "statics: moment"),
     ),
     "factor 2 in the sizes": (
-        contact.contact_diameter,
+        contact_law.contact_diameter,
         lambda first, second: 2 * (first + second),
         ("statics: moment", "statics: rigid motion", "readings: fate of both",
          "errors: noise on grains"),
     ),
     "radius for diameter": (
-        contact.contact_diameter,
+        contact_law.contact_diameter,
         lambda first, second: (first + second) / 2,
         ("statics: moment", "readings: fate of both", "errors: noise on grains"),
     ),
@@ -343,15 +341,15 @@ def test_a_planted_error_is_caught_by_name(plant, name):
 
 def test_a_law_that_is_wrong_and_consistent_is_caught_by_its_energy(plant):
     """κ inverted in the force and in its inverse: they agree with each other, not with ∫ f dδ."""
-    plant(contact.overlap, lambda f, exponent=alpha: (f * kappa) ** (1 / exponent))
-    plant(contact.force, lambda overlap, exponent=alpha: overlap**exponent / kappa)
+    plant(contact_law.overlap, lambda f, exponent=alpha: (f * kappa) ** (1 / exponent))
+    plant(contact_law.force, lambda overlap, exponent=alpha: overlap**exponent / kappa)
     wanted = {"geometry: contact law", "equation: loop rows", "equation: Eq. 1"}
     assert failing(wanted) == wanted
 
 
 def test_planting_nothing_fails_nothing(plant):
     """The control of the machinery: caches emptied, the right function in its own place."""
-    plant(contact.overlap, contact.overlap)
+    plant(contact_law.overlap, contact_law.overlap)
     assert failing(["geometry: contact law", *MECHANICS, "equation: general law"]) == set()
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from scaling import ContactNetwork, force_equation
 from scaling.symbolic import bowtie, null_space, rhombus, ring, triangle, wheel
-from scaling.symbolic.field import ExactField
+from scaling.symbolic.loops.number_field import ExactField
 from tests.conftest import packing
 
 EPS = np.finfo(float).eps

@@ -7,11 +7,11 @@ import pytest
 import sympy as sp
 
 from scaling import ContactNetwork, force_equation
-from scaling.symbolic import kinematics
-from scaling.symbolic.contact import Delta
-from scaling.symbolic.general_triangle import GeneralTriangle, PressedTriangle, corners
-from scaling.symbolic.networks import rhombus, triangle, u, v
-from scaling.symbolic.statics import total_moment
+from scaling.symbolic.argument.general_triangle import GeneralTriangle, PressedTriangle, corners
+from scaling.symbolic.argument.statics_steps import total_moment
+from scaling.symbolic.inputs import kinematics
+from scaling.symbolic.inputs.contact_law import Delta
+from scaling.symbolic.loops.named_networks import rhombus, triangle, u, v
 
 SHAPE = {u: sp.Rational(1, 2), v: sp.Rational(1, 3)}
 
