@@ -8,7 +8,7 @@ drawn in `scaling.geometry.contact_network`.
 
 from packing.contact_search import infer_contacts
 from packing.version import __version__
-from scaling.algebra.least_squares import Conditioning
+from scaling.algebra.conditioning import Conditioning
 from scaling.equation.force_equation import ForceEquation, force_equation
 from scaling.estimators.bounded.posterior import flat_guess
 from scaling.estimators.misfit import ImplausibleNoiseWarning

@@ -106,14 +106,14 @@ SCALING = (
     ),
     Mutation(
         "tangent turned by -90°",
-        "scaling/geometry/contact_network.py",
+        "scaling/geometry/network_data.py",
         "[-self.normals[:, 1], self.normals[:, 0]]",
         "[self.normals[:, 1], -self.normals[:, 0]]",
         NETWORK,
     ),
     Mutation(
         "mean diameter is a radius",
-        "scaling/geometry/contact_network.py",
+        "scaling/geometry/network_data.py",
         "return 2 * float(self.radii.mean())",
         "return float(self.radii.mean())",
         (*NOISE, *NETWORK),
@@ -211,14 +211,14 @@ SCALING = (
     ),
     Mutation(
         "least squares: refinement away from the solution",
-        "scaling/algebra/least_squares.py",
+        "scaling/algebra/sparse_factor.py",
         "f = f + correction",
         "f = f - correction",
         ("tests/scaling/estimators/test_reconstruction.py",),
     ),
     Mutation(
         "least squares: the block is judged by its strongest direction",
-        "scaling/algebra/least_squares.py",
+        "scaling/algebra/sparse_factor.py",
         "s = svdvals(G @ V)[::-1]",
         "s = svdvals(G @ V)",
         ("tests/scaling/equation/test_near_lattices.py",),
