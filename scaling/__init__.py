@@ -16,8 +16,8 @@ from scaling.estimators.plausibility import BeyondFrictionWarning
 from scaling.estimators.reconstruction import Reconstruction, reconstruct
 from scaling.geometry.coarse_coordinates import CoarseCoordinatesWarning
 from scaling.geometry.contact_network import ContactNetwork
-from scaling.geometry.loops import Loops
 from scaling.geometry.tiling import tiled, tiled_forces
+from scaling.geometry.topology.loops import Loops
 from scaling.noise.conventions import perturb
 from scaling.noise.systematic import (
     forces_of_overlaps,

@@ -33,7 +33,7 @@ from packing.immutable import Immutable, read_only
 from scaling.algebra.conditioning import Conditioning
 from scaling.algebra.least_squares import LeastSquares
 from scaling.geometry.contact_network import ContactNetwork
-from scaling.geometry.loops import Loops
+from scaling.geometry.topology.loops import Loops
 
 ROW = np.dtype([("kind", "U8"), ("index", np.int64)])
 

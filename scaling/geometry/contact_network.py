@@ -33,8 +33,8 @@ from scaling.geometry.coarse_coordinates import warn_if_coarse
 from scaling.geometry.high_precision import NO_LOW_PARTS, LowParts, with_low_parts
 from scaling.geometry.network_data import NetworkData
 from scaling.geometry.shared import Shared
-from scaling.geometry.topology import Topology
-from scaling.geometry.wiring import Wiring
+from scaling.geometry.topology.topology import Topology
+from scaling.geometry.topology.wiring import Wiring
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

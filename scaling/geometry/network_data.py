@@ -11,10 +11,10 @@ from packing.arguments.arrays import Floats, Integers, frozen
 from packing.boundary import Boundary, boundary_of
 from packing.immutable import Immutable
 from scaling.geometry.high_precision import Extended
-from scaling.geometry.loops import Loops
 from scaling.geometry.shared import Shared
-from scaling.geometry.spanning_forest import Forest
-from scaling.geometry.topology import Topology
+from scaling.geometry.topology.loops import Loops
+from scaling.geometry.topology.spanning_forest import Forest
+from scaling.geometry.topology.topology import Topology
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -133,7 +133,7 @@ class NetworkData(Immutable):
 
     @property
     def loops(self) -> Loops:
-        """The faces, counter-clockwise: see `scaling.geometry.faces`."""
+        """The faces, counter-clockwise: see `scaling.geometry.topology.faces`."""
         return self.topology.loops
 
     @property
