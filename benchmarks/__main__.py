@@ -28,6 +28,8 @@ from benchmarks import (
     floor,
     lammps_packing,
     lammps_step,
+    numbering,
+    precision,
     ramps,
     relaxation,
     rounding,
@@ -85,7 +87,7 @@ def _steps(run: Run) -> None:
 def _physics(run: Run) -> None:
     with redirect_stdout(io.StringIO()) as printed:
         step_cost.main()
-    run.keep("step_cost", f"```\n{printed.getvalue().rstrip()}\n```")
+    run.keep("step_cost", printed.getvalue().rstrip())
 
 
 def _finished(run: Run) -> None:
@@ -97,7 +99,19 @@ def _finished(run: Run) -> None:
 
 def _sizes(run: Run) -> None:
     copies = (1, 4, 10, 32) if run.full else (1, 4, 10)
-    run.keep("size", size.text(size.compute(copies), size.efficiency()))
+    shares = {packings: size.efficiency(packings) for packings in (96, 16)}
+    run.keep("size", size.text(size.compute(copies), shares))
+
+
+def _numbering(run: Run) -> None:
+    run.keep("numbering", numbering.text(numbering.compute(10)))
+
+
+def _single(run: Run) -> None:
+    full = run.full
+    deltas = [10.0**-k for k in range(1, 7 if full else 5)]
+    table = precision.compute(300 if full else 100, deltas, range(1, 9 if full else 4))
+    run.keep("precision", precision.text(table))
 
 
 def _equation(run: Run) -> None:
@@ -161,7 +175,8 @@ def _no_noise(run: Run, pool: ProcessPoolExecutor) -> None:
 
 #: Timings against others first, while no other process of ours runs.
 PARTS: dict[str, Callable[[Run], None]] = {
-    "lammps_step": _steps, "step_cost": _physics, "size": _sizes, "lammps_packing": _finished,
+    "lammps_step": _steps, "step_cost": _physics, "size": _sizes,
+    "numbering": _numbering, "precision": _single, "lammps_packing": _finished,
     "solvers": _equation, "dem_trade": _pooled(_trade), "relaxation": _pooled(_rest),
     "same_packing": _pooled(_resting),
     "ramps": _pooled(_pressures), "rounding": _pooled(_noise), "floor": _pooled(_no_noise),

@@ -1,0 +1,14 @@
+"""The error bar of a timing: median (min–max) over repeats."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+
+def spread(values: Iterable[float], form: str = ".2g") -> str:
+    """The median and the range, each as ``form`` writes it; the median alone if all are equal."""
+    low, middle, high = np.quantile([*values], (0, 0.5, 1))
+    ends = "" if low == high else f" ({low:{form}}–{high:{form}})"
+    return f"{middle:{form}}{ends}"
