@@ -24,11 +24,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from benchmarks import (
+    continuation,
     dem_trade,
     floor,
     lammps_packing,
     lammps_step,
     numbering,
+    polish_cost,
     precision,
     ramps,
     relaxation,
@@ -114,6 +116,11 @@ def _single(run: Run) -> None:
     run.keep("precision", precision.text(table))
 
 
+def _newton(run: Run) -> None:
+    sizes = (300, 1000, 3000, 10_000) if run.full else (100, 300, 1000)
+    run.keep("polish_cost", polish_cost.text(polish_cost.compute(sizes, range(1, 4))))
+
+
 def _equation(run: Run) -> None:
     packing = refine(relax(Scene(100, 1e-3), 1, progress=False))
     copies = (1, 2, 3, 4, 6, 10, 18, 32) + ((56, 100) if run.full else ())
@@ -156,6 +163,16 @@ def _pressures(run: Run, pool: ProcessPoolExecutor) -> None:
     run.draw("ramps", ramps.plot(table), table)
 
 
+def _paces(run: Run, pool: ProcessPoolExecutor) -> None:
+    found = ramps.rates(pool, 64, range(1, 17 if run.full else 5))
+    run.keep("ramp_rates", ramps.text_of_rates(found))
+
+
+def _continued(run: Run, pool: ProcessPoolExecutor) -> None:
+    found = continuation.compute(pool, 200, range(1, 9 if run.full else 4))
+    run.keep("continuation", continuation.text(found))
+
+
 def _noise(run: Run, pool: ProcessPoolExecutor) -> None:
     table = rounding.compute(_packings(pool, 150, tuple(10.0**-k for k in range(1, 7))))
     off = table["error"] / table["predicted"]
@@ -175,11 +192,12 @@ def _no_noise(run: Run, pool: ProcessPoolExecutor) -> None:
 
 #: Timings against others first, while no other process of ours runs.
 PARTS: dict[str, Callable[[Run], None]] = {
-    "lammps_step": _steps, "step_cost": _physics, "size": _sizes,
-    "numbering": _numbering, "precision": _single, "lammps_packing": _finished,
+    "lammps_step": _steps, "step_cost": _physics, "size": _sizes, "numbering": _numbering,
+    "precision": _single, "polish_cost": _newton, "lammps_packing": _finished,
     "solvers": _equation, "dem_trade": _pooled(_trade), "relaxation": _pooled(_rest),
-    "same_packing": _pooled(_resting),
-    "ramps": _pooled(_pressures), "rounding": _pooled(_noise), "floor": _pooled(_no_noise),
+    "same_packing": _pooled(_resting), "ramps": _pooled(_pressures),
+    "ramp_rates": _pooled(_paces), "continuation": _pooled(_continued),
+    "rounding": _pooled(_noise), "floor": _pooled(_no_noise),
 }  # fmt: skip
 
 

@@ -111,14 +111,14 @@ def _assemble(task: tuple[Packing, int]) -> list[Row]:
     spent = []
     for _ in range(REPEATS):
         network, _ = tiled(*task)
-        spent.append(_seconds(lambda n=network: force_equation(n)) / network.grains * 1e6)
+        spent.append(_seconds(lambda n=network: force_equation(n).G) / network.grains * 1e6)
     return [("assembly", network.grains, spent)]
 
 
 def _assembly_memory(task: tuple[Packing, int]) -> Memory:
     networks = [tiled(*task)[0] for _ in range(2)]
     grains = networks[0].grains
-    return "assembly", grains, *_memory(lambda: force_equation(networks.pop()), grains)
+    return "assembly", grains, *_memory(lambda: force_equation(networks.pop()).G, grains)
 
 
 def _lsmr(task: tuple[Packing, int]) -> tuple[int, Callable[[], object]]:
@@ -204,28 +204,37 @@ def _warm(seed: int) -> None:
 
 
 def text(table: tuple[list[Row], list[Memory]], shares: dict[int, Shares]) -> str:
-    """Times with the memory beside them, ratios of the precisions, efficiencies."""
+    """Times, ratios of the precisions, memory, efficiencies; a column for each N."""
     rows, memory = table
-    lines = [
-        f"Median (min–max): times of {REPEATS} repeats, memory of {FRESH} processes.", "",
-        "| what | N | µs per grain (and step) | resident bytes per grain | bytes of arrays |",
-        "|---|---|---|---|---|",
-    ]  # fmt: skip
-    for what, grains, times in rows:
-        grown, arrays = np.array([m[2:] for m in memory if m[:2] == (what, grains)]).T
-        resident = "" if np.isnan(grown).any() else spread(grown, ".0f")
-        digits = ".2f" if min(times) > 1 else ".4f"
-        lines.append(f"| {what} | {grains} | {spread(times, digits)} | {resident} "
-                     f"| {spread(arrays, '.0f')} |")  # fmt: skip
-    lines += ["", "| backend | N | float32 over float64, of the same repeat |", "|---|---|---|"]
-    spent = {(what, grains): times for what, grains, times in rows}
-    for (what, grains), times in spent.items():
-        backend, _, precision = what.partition(", ")
-        if precision == "float32":
-            ratio = np.divide(times, spent[f"{backend}, float64", grains])
-            lines.append(f"| {backend} | {grains} | {spread(ratio, '.2f')} |")
+    spent = {(what, grains): np.array(times) for what, grains, times in rows}
+    single = {
+        (b, n): times / spent[f"{b}, float64", n]
+        for (what, n), times in spent.items()
+        for b, _, precision in [what.partition(", ")]
+        if precision == "float32"
+    }
+    bytes_of = [
+        {(what, n): np.array([m[k] for m in memory if m[:2] == (what, n)]) for what, n in spent}
+        for k in (2, 3)
+    ]
+    lines = [f"Median (min–max): times of {REPEATS} repeats, memory of {FRESH} processes."]
+    lines += _pivot("µs per grain (and step)", spent, ".3g")
+    lines += _pivot("float32 over float64, of the same repeat", single, ".2f")
+    lines += _pivot("bytes of arrays per grain", bytes_of[1], ".0f")
+    lines += _pivot("resident bytes per grain", bytes_of[0], ".0f")
     for packings, (gain, busy) in shares.items():
         lines += ["", f"Ensembles of {packings} on {os.cpu_count()} cores, {len(gain)} repeats: "
                   f"efficiency {spread(gain, '.2f')}, share of time at work "
                   f"{spread(busy, '.2f')}"]  # fmt: skip
     return "\n".join(lines)
+
+
+def _pivot(head: str, cells: dict[tuple[str, int], np.ndarray], form: str) -> list[str]:
+    known = {k: v for k, v in cells.items() if not np.isnan(v).any()}
+    sizes = sorted({n for _, n in known})
+    lines = ["", f"| {head} | " + " | ".join(f"N = {n}" for n in sizes) + " |"]
+    lines.append("|---" * (len(sizes) + 1) + "|")
+    for what in dict.fromkeys(what for what, _ in known):
+        some = [spread(known[what, n], form) if (what, n) in known else "" for n in sizes]
+        lines.append(f"| {what} | {' | '.join(some)} |")
+    return lines
