@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.spread import spread
 from dem import NotRelaxed, Scene, Settings, relax
-from dem.integrator import PRECISIONS
+from dem.motion.step import PRECISIONS
 from paper_figs.style import MARKERS, plt
 from scaling import ContactNetwork, reconstruct, relative_error
 

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from dem import Scene, Settings, relax
-from dem.start import loose_state
+from dem.protocols.loose_gas import loose_state
 from paper_figs.command import counts
 
 #: Δ -> (final drag, gain of the pressure control, steps between looks), tuned by hand.

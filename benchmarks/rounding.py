@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from dem import Packing
+from packing.arguments.coordinate_rounding import rounding_noise
 from paper_figs.style import MARKERS, new_figure
 from scaling import (
     CoarseCoordinatesWarning,
@@ -24,7 +25,6 @@ from scaling import (
     reconstruct,
     relative_error,
 )
-from scaling.resolution import rounding_noise
 
 KINDS = ("float16", "float32", *(f"{k} decimals" for k in range(2, 10)))
 #: Beyond this displacement of a coordinate (in ⟨σ⟩) contacts cross: no packing any more.

@@ -22,7 +22,7 @@ from scipy.sparse.linalg import lsmr
 from benchmarks.spread import spread
 from benchmarks.tiling import tiled
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
-from dem.integrator import PRECISIONS
+from dem.motion.step import PRECISIONS
 from scaling import force_equation
 
 DELTA, BASE = 1e-3, 1000

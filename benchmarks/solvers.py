@@ -28,7 +28,7 @@ from benchmarks.tiling import tiled
 from dem import Packing
 from paper_figs.style import MARKERS, plt
 from scaling import force_equation, relative_error
-from scaling.least_squares import LeastSquares
+from scaling.algebra.least_squares import LeastSquares
 
 Solver = Callable[[Any, np.ndarray], np.ndarray]
 

@@ -21,8 +21,8 @@ import numpy as np
 
 from benchmarks.spread import spread
 from dem import ContactLaw, Drive, History, Packing, Scene, State, relax, step
-from dem.neighbours import find_neighbours
-from dem.numpy_kernel import Motion, contact_forces, kick
+from dem.motion.kernels.disks_numpy import Motion, contact_forces, kick
+from dem.motion.neighbours import find_neighbours
 from paper_figs.command import counts
 
 DELTA, GRAINS, STEPS, REPEATS = 1e-3, 1000, 300, 9

@@ -6,17 +6,17 @@ Units κ = ρ = ⟨σ⟩ = 1, so that the pressure is p = Δ.  This package know
 reconstruction; what it hands on is a record of plain arrays, ``Packing``.
 """
 
-from dem.ensemble import packing_key, relax_ensemble
-from dem.integrator import step
-from dem.law import ContactLaw, Drive
-from dem.packing import Packing
-from dem.polish import PolishFailed
-from dem.ramp import ramp
-from dem.relax import NotRelaxed, relax
+from dem.balance.newton import PolishFailed
+from dem.motion.drive import ContactLaw, Drive
+from dem.motion.state import History, State
+from dem.motion.step import step
+from dem.protocols.ensemble import packing_key, relax_ensemble
+from dem.protocols.ramp import ramp
+from dem.protocols.relax import NotRelaxed, relax
+from dem.protocols.stiffen import refine, stiffen
 from dem.scene import Scene
 from dem.settings import Settings
-from dem.state import History, State
-from dem.stiffen import refine, stiffen
+from packing.record import Packing
 from packing.version import __version__
 
 __all__ = [

@@ -9,7 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, sqrt
 
-from packing.numbers import number_from_zero, positive_number, real_number, shown, whole_number
+from packing.arguments.numbers import (
+    number_from_zero,
+    positive_number,
+    real_number,
+    shown,
+    whole_number,
+)
 
 #: Below three grains there is no loop, hence no force equation.  A grain in motion takes 0.6 kB:
 #: ten millions are as many as a large machine holds.

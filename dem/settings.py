@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dem.integrator import check_backend, check_precision
-from packing.numbers import SMALLEST, flag, number_from_zero, positive_number
+from dem.motion.step import check_backend, check_precision
+from packing.arguments.numbers import SMALLEST, flag, number_from_zero, positive_number
 
 #: What each setting may be, in its unit.  Below a skin of 1e-3 the list is made anew at every
 #: step; above 2 it holds ten times the pairs that touch.  Nothing rests in hundreds of inertial

@@ -6,9 +6,18 @@ Without standard error (a windowed program, a service) there is nobody to show t
 from __future__ import annotations
 
 import sys
-from typing import Any
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from threading import Event, Thread
+from typing import Any, TypeVar
 
-from packing.numbers import flag
+from packing.arguments.numbers import flag
+
+DELAY = 3.0
+"""Seconds before a bar of `counted` or `running` appears."""
+_BEAT = 1.0
+
+T = TypeVar("T")
 
 
 def hidden(progress: bool | None) -> bool | None:
@@ -36,6 +45,37 @@ def bar(progress: bool | None, **options: Any) -> Any:
     if disable:
         options["file"] = _Nowhere()
     return tqdm(disable=disable, **options)
+
+
+def counted(
+    items: Iterable[T], total: int, doing: str, progress: bool | None = None
+) -> Iterator[T]:
+    """``items`` with a bar, ``progress`` as for `hidden`."""
+    return iter(bar(progress, iterable=items, total=total, desc=doing, delay=DELAY, leave=False))
+
+
+@contextmanager
+def running(doing: str, progress: bool | None = None) -> Iterator[None]:
+    """Shows how long a single call has been running, of which no end can be foreseen."""
+    form = "{desc} [{elapsed}]"
+    with bar(progress, desc=doing, bar_format=form, delay=DELAY, leave=False) as shown:
+        if shown.disable:
+            yield
+            return
+        done = Event()
+
+        def beat() -> None:
+            while not done.wait(_BEAT):
+                shown.update(0)
+                shown.refresh()
+
+        thread = Thread(target=beat, daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            done.set()
+            thread.join()
 
 
 class _Nowhere:

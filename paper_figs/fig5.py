@@ -3,8 +3,8 @@
 C = K p/⟨|f|⟩.  (a) Noise on the diameters, (b) on the positions.  (c) With friction the gain
 of gppsz for size noise, K² over loops per contact, is a function of the coordination Z (and grows
 as 1 + 9.5/N in small packings); the constant ½ is near it by cancellation and is no law, see
-`scaling.prefactor`.  (d) The bound for position noise is near K = 2.7 ⟨σ⟩ times the hyperstaticity
-per unknown, h/2c, save close to isostaticity.
+`scaling.uncertainty.prefactor`.  (d) The bound for position noise is near K = 2.7 ⟨σ⟩ times the
+hyperstaticity per unknown, h/2c, save close to isostaticity.
 """
 
 from __future__ import annotations

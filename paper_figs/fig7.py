@@ -32,10 +32,10 @@ from scaling import (
     rounded,
     stiffness_response,
 )
-from scaling.bounded import bounded_forces
-from scaling.detection import confusion, list_error
-from scaling.posterior import posterior
-from scaling.sources import sources
+from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.posterior import posterior
+from scaling.noise.noise_model import sources
+from studies.contact_lists import confusion, list_error
 
 DELTA = 1e-4
 DELTAS = (1e-6, 1e-4, 1e-2)

@@ -3,35 +3,35 @@
     ContactNetwork -> force_equation -> reconstruct -> relative_error against ξ/Δ
 
 Knows no simulation: networks are plain arrays, from anybody's packing. The sign convention is
-drawn in `scaling.network`.
+drawn in `scaling.geometry.contact_network`.
 """
 
+from packing.contact_search import infer_contacts
 from packing.version import __version__
-from scaling.bound import cramer_rao
-from scaling.calibration import (
+from scaling.algebra.conditioning import Conditioning
+from scaling.equation.force_equation import ForceEquation, force_equation
+from scaling.estimators.bounded.posterior import flat_guess
+from scaling.estimators.misfit import ImplausibleNoiseWarning
+from scaling.estimators.plausibility import BeyondFrictionWarning
+from scaling.estimators.reconstruction import Reconstruction, reconstruct
+from scaling.geometry.coarse_coordinates import CoarseCoordinatesWarning
+from scaling.geometry.contact_network import ContactNetwork
+from scaling.geometry.tiling import tiled, tiled_forces
+from scaling.geometry.topology.loops import Loops
+from scaling.noise.conventions import perturb
+from scaling.noise.systematic import (
     forces_of_overlaps,
     rescaled,
     rounded,
     stiffness_response,
     to_pressure,
 )
-from scaling.data_collapse import collapse
-from scaling.detection import infer_contacts
-from scaling.equation import ForceEquation, force_equation
-from scaling.error import mean_force, relative_error
-from scaling.error_theory import ErrorMap, error_map, worst_pattern
-from scaling.least_squares import Conditioning
-from scaling.loops import Loops
-from scaling.misfit import ImplausibleNoiseWarning
-from scaling.network import ContactNetwork
-from scaling.noise import perturb
-from scaling.plausibility import BeyondFrictionWarning
-from scaling.posterior import flat_guess
-from scaling.propagation import amplification, amplification_of, gain
-from scaling.reconstruction import Reconstruction, reconstruct
-from scaling.resolution import CoarseCoordinatesWarning
-from scaling.tiling import tiled, tiled_forces
-from scaling.virial import stress
+from scaling.observables.stress import stress
+from scaling.uncertainty.amplification import amplification, amplification_of, gain
+from scaling.uncertainty.collapse import collapse
+from scaling.uncertainty.cramer_rao import cramer_rao
+from scaling.uncertainty.error_map import ErrorMap, error_map, worst_pattern
+from scaling.uncertainty.relative_error import mean_force, relative_error
 
 __all__ = [
     "BeyondFrictionWarning",

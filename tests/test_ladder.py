@@ -10,9 +10,9 @@ import pytest
 from benchmarks.studies import ladder, prior, ridge, sensitivity
 from benchmarks.studies.packings import bar, net
 from scaling import perturb, relative_error
-from scaling.bounded import bounded_forces
-from scaling.posterior import Prior, posterior
-from scaling.sources import sources
+from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.posterior import Prior, posterior
+from scaling.noise.noise_model import sources
 from tests.conftest import packing
 
 ROOT = Path(__file__).resolve().parent.parent

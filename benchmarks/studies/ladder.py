@@ -22,11 +22,11 @@ from matplotlib.figure import Figure
 from benchmarks.studies.packings import bar, make, net, publish
 from benchmarks.studies.ridge import gaussian
 from dem import Packing, Scene, Settings, ramp
-from packing.arrays import Floats
+from packing.arguments.arrays import Floats
 from paper_figs.style import MARKERS, new_figure, power_of_ten
 from scaling import flat_guess, relative_error
-from scaling.bounded import bounded_forces
-from scaling.posterior import posterior
+from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.posterior import posterior
 
 RUNGS = ("flat", "balance", "pressure", "push", "Coulomb")
 STEPS = ("flat guess", "balance + prior", "+ pressure", "+ f_n >= 0", "+ Coulomb")

@@ -13,9 +13,9 @@ import numpy as np
 
 from benchmarks.studies.packings import make, net
 from dem import Packing, Scene
-from packing.arrays import Floats
+from packing.arguments.arrays import Floats
 from scaling import error_map
-from scaling.error import mean_force
+from scaling.uncertainty.relative_error import mean_force
 
 MEASURES = ("component", "vector", "normal")
 CASES = [(d, 0.3) for d in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]

@@ -11,7 +11,7 @@ from benchmarks.studies.packings import SEED, bar, make, net, off
 from dem import Scene
 from paper_figs import fig5
 from scaling import ContactNetwork, force_equation
-from scaling.prefactor import LoopShares, loop_shares, self_stress_gain
+from scaling.uncertainty.prefactor import LoopShares, loop_shares, self_stress_gain
 
 SEEN = {
     f"μ={mu:g} Δ={d:g}": Scene(300, d, friction=mu)

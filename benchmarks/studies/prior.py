@@ -7,11 +7,11 @@ import numpy as np
 from benchmarks.studies.packings import SEED, bar, full, make, net, publish
 from dem import Packing, Scene
 from scaling import perturb, relative_error
-from scaling.bounded import bounded_forces
-from scaling.credible import coverage, enclosing, posterior_draws, widened
-from scaling.posterior import Posterior, Prior, posterior
-from scaling.sources import sources
-from scaling.truncated import truncated_draws
+from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.posterior import Posterior, Prior, posterior
+from scaling.noise.noise_model import sources
+from scaling.uncertainty.credible_intervals import coverage, enclosing, posterior_draws, widened
+from scaling.uncertainty.exact_draws import truncated_draws
 
 RATIOS = {0.1: "1/10", 0.25: "1/4", 0.5: "1/2 (default)", 1.0: "1", 2.0: "2", 10.0: "10"}
 """Standard deviation of f_t over that of f_n, and how it is written."""

@@ -14,14 +14,14 @@ from scipy.sparse import csr_array, diags_array
 
 from benchmarks.studies.packings import SEED, bar, make, net, publish
 from dem import Packing, Scene
-from packing.arrays import Floats
+from packing.arguments.arrays import Floats
 from paper_figs.style import PALETTE, new_figure, power_of_ten
 from scaling import perturb, reconstruct, relative_error
-from scaling.bounded import bounded_forces
-from scaling.constrained import ConstrainedLeastSquares
-from scaling.posterior import Posterior, Prior, posterior
-from scaling.programme import programme
-from scaling.sources import sources
+from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
+from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.posterior import Posterior, Prior, posterior
+from scaling.estimators.bounded.program import programme
+from scaling.noise.noise_model import sources
 
 WIDE = Prior(1.0, 100.0, 50.0)
 RATIOS = np.array([0.1, 1.0, 10.0, 100.0, 1000.0])

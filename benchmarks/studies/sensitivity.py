@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.studies.packings import SEED, bar, make, net, publish
 from dem import Packing, Scene
 from scaling import ContactNetwork, perturb, reconstruct, relative_error
-from scaling.misfit import ImplausibleNoiseWarning
+from scaling.estimators.misfit import ImplausibleNoiseWarning
 
 TOLD: dict[str, dict[str, float]] = {
     "the truth": {},

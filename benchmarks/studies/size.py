@@ -13,10 +13,10 @@ import numpy as np
 
 from benchmarks.studies.packings import SEED, bar, make, net
 from dem import Packing, Scene
-from packing.arrays import Floats
+from packing.arguments.arrays import Floats
 from scaling import ContactNetwork, force_equation, gain, relative_error
-from scaling.error import mean_force
-from scaling.noise import size_response
+from scaling.noise.conventions import size_response
+from scaling.uncertainty.relative_error import mean_force
 
 QUANTITIES = ("K²/ℓ, faces", "K²/ℓ, faces and windings", "the same, ℓ = (c - N + 2)/c",
               "C, faces", "C, faces and windings")  # fmt: skip

@@ -24,14 +24,14 @@ from scipy.sparse import csr_array, vstack
 
 from benchmarks.studies.packings import SEED, bar, make, net
 from dem import Packing, Scene
-from packing.arrays import Floats
+from packing.arguments.arrays import Floats
 from scaling import ContactNetwork, force_equation, perturb, relative_error
-from scaling.bounded import bounded_forces
-from scaling.constrained import ConstrainedLeastSquares
-from scaling.error import mean_force
-from scaling.optimal import size_problem
-from scaling.posterior import Prior, posterior
-from scaling.sources import sources
+from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
+from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.posterior import Prior, posterior
+from scaling.estimators.optimal import size_problem
+from scaling.noise.noise_model import sources
+from scaling.uncertainty.relative_error import mean_force
 
 GROUPS = [(100, 0.3, 1e-2, 8), (100, 0.3, 1e-3, 8), (100, 0.3, 1e-4, 8), (300, 0.3, 1e-4, 6),
           (100, 0.1, 1e-4, 8), (100, 1.0, 1e-4, 8)]  # fmt: skip

@@ -9,17 +9,22 @@
 Imported explicitly: `import scaling` does not load sympy.
 """
 
-from scaling.symbolic.closed_forms import bowtie_gain, rhombus_gain, square_gain, triangle_gain
-from scaling.symbolic.common_mode import common_mode_steps
-from scaling.symbolic.derivation import derivation
-from scaling.symbolic.fourier import ring_squared_gain
-from scaling.symbolic.gain import loop_gaps, null_space, pseudo_inverse, rank, squared_gain
-from scaling.symbolic.network import SymbolicNetwork
-from scaling.symbolic.networks import bowtie, rhombus, ring, square, triangle, wheel
-from scaling.symbolic.noisy_triangle import perturbation_steps
-from scaling.symbolic.small_networks import table
-from scaling.symbolic.step import Step
-from scaling.symbolic.wheel_waves import wheel_squared_gain
+from scaling.symbolic.argument.common_mode import common_mode_steps
+from scaling.symbolic.argument.derivation import derivation
+from scaling.symbolic.argument.perturbation_steps import perturbation_steps
+from scaling.symbolic.argument.step import Step
+from scaling.symbolic.loops.closed_forms import (
+    bowtie_gain,
+    rhombus_gain,
+    square_gain,
+    triangle_gain,
+)
+from scaling.symbolic.loops.fourier import ring_squared_gain
+from scaling.symbolic.loops.gain import loop_gaps, null_space, pseudo_inverse, rank, squared_gain
+from scaling.symbolic.loops.named_networks import bowtie, rhombus, ring, square, triangle, wheel
+from scaling.symbolic.loops.symbolic_network import SymbolicNetwork
+from scaling.symbolic.loops.table import table
+from scaling.symbolic.loops.wheel_waves import wheel_squared_gain
 
 __all__ = [
     "Step",

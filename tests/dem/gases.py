@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dem import Drive, Scene, State
-from dem.start import loose_state
+from dem.protocols.loose_gas import loose_state
 
 
 def dense_gas(

@@ -16,7 +16,7 @@ from scaling import (
     rounded,
     tiled,
 )
-from scaling.symbolic import bridge
+from scaling.symbolic.numeric import lambdify
 
 
 def test_contacts_do_not_depend_on_the_origin():
@@ -44,7 +44,7 @@ def test_a_threshold_in_wrong_units_is_refused_before_pairs_are_listed():
 
 def test_the_slope_of_a_linear_law_is_an_array():
     """Sympy's numerical functions return bare constants."""
-    assert np.shape(bridge.law(1)[1](np.array([0.5, 1.0, 2.0]))) == (3,)
+    assert np.shape(lambdify.law(1)[1](np.array([0.5, 1.0, 2.0]))) == (3,)
 
 
 NETWORK = ContactNetwork(

@@ -25,7 +25,7 @@ RELAXED = "from dem import Scene, relax; relax(Scene(20, 1e-2), 1); print('relax
 def test_numba_in_a_folder_that_cannot_be_written(tmp_path):
     """Containers, clusters: no place for Numba's cache, nor a home. It compiles anew."""
     pytest.importorskip("numba")
-    for part in ("dem", "doubledouble", "packing", "pyproject.toml"):
+    for part in ("dem", "packing", "pyproject.toml"):
         copy = shutil.copytree if (ROOT / part).is_dir() else shutil.copy
         copy(ROOT / part, tmp_path / part)
     for cache in tmp_path.rglob("__pycache__"):

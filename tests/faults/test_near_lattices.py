@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
-from packing.arrays import Floats, Integers
+from packing.arguments.arrays import Floats, Integers
 from scaling import ContactNetwork, force_equation, gain, reconstruct
-from scaling.noise import size_response
+from scaling.noise.conventions import size_response
 
 
 def square(n: int, disorder: float, rng: np.random.Generator) -> tuple[Floats, Integers]:

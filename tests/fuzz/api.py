@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from packing.numbers import shown
+from packing.arguments.numbers import shown
 from tests.fuzz.calls import Call, weighted
 from tests.fuzz.dem_calls import DEM
 from tests.fuzz.exact_calls import EXACT

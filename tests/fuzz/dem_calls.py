@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import dem
-from packing import arrays, numbers
+from packing.arguments import arrays, numbers
 from tests.fuzz.calls import Arguments, Call
 from tests.fuzz.samples import packing
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-import doubledouble as dd
+import packing.doubledouble as dd
 from scaling import symbolic
-from scaling.symbolic import bridge, newton
+from scaling.symbolic.numeric import lambdify, nonlinear_law
 from tests.fuzz.calls import Call
 
 Rng = np.random.Generator
@@ -21,7 +21,7 @@ def _small(rng: Rng) -> Any:
 
 
 def _law(exponent: Any, y: Any) -> Any:
-    value, slope = bridge.law(exponent)
+    value, slope = lambdify.law(exponent)
     return value(y), slope(y)
 
 
@@ -35,7 +35,7 @@ def _arithmetic(high: Any, low: Any, operand: Any) -> Any:
 
 
 def _newton(rng: Rng) -> dict[str, Any]:
-    M, Q, _ = bridge.matrices(symbolic.square(), frictional=False)
+    M, Q, _ = lambdify.matrices(symbolic.square(), frictional=False)
     f = np.ones(4)
     return {"M": M, "Q": Q, "forces": f, "exponent": 1.5}
 
@@ -64,13 +64,13 @@ EXACT: tuple[Call, ...] = (
     Call("symbolic.square_gain", symbolic.square_gain, lambda g: {"frictional": True}, 0.02,
          seconds=60.0),
     Call("bridge.law", _law, lambda g: {"exponent": 1.5, "y": np.array([0.5, 1.0, 2.0])}),
-    Call("bridge.contact_network", bridge.contact_network,
+    Call("bridge.contact_network", lambdify.contact_network,
          lambda g: {"network": _small(g), "values": None}, 0.3),
-    Call("bridge.matrices", bridge.matrices,
+    Call("bridge.matrices", lambdify.matrices,
          lambda g: {"network": _small(g), "frictional": True, "values": None}, 0.3),
-    Call("bridge.gain", bridge.gain,
+    Call("bridge.gain", lambdify.gain,
          lambda g: {"network": _small(g), "frictional": True, "noise": "diameter"}, 0.3),
-    Call("newton.response", newton.response, _newton, 0.5),
+    Call("newton.response", nonlinear_law.response, _newton, 0.5),
     Call("two_sum", dd.two_sum, _pair, 0.5),
     Call("two_prod", dd.two_prod, _pair, 0.5),
     Call("DoubleDouble", _arithmetic,

@@ -11,8 +11,9 @@ import numpy as np
 
 import dem
 from scaling import ContactNetwork
-from scaling.posterior import Posterior, posterior
-from scaling.sources import sources
+from scaling.estimators.bounded.posterior import Posterior, posterior
+from scaling.geometry.high_precision import LowParts
+from scaling.noise.noise_model import sources
 from tests.scaling.networks import Truth, loaded, periodic, rhombus, ring, triangle
 
 
@@ -65,7 +66,7 @@ def samples() -> tuple[Sample, ...]:
     only = ContactNetwork(None, n.radii, n.pairs, normals=n.normals, external=n.external)
     made.append(Sample(only, made[0].forces, True, None))
     fine = ContactNetwork(
-        n.positions, n.radii, n.pairs, external=n.external, radii_low=1e-17 * n.radii
+        n.positions, n.radii, n.pairs, external=n.external, low=LowParts(radii=1e-17 * n.radii)
     )
     made.append(Sample(fine, made[0].forces, True, None))
     return tuple(made)

@@ -9,9 +9,13 @@ from typing import Any
 import numpy as np
 
 import scaling
-from scaling import credible, data_collapse, detection, noise, posterior, prefactor
-from scaling.sources import sources
-from scaling.truncated import truncated_draws
+from scaling.estimators.bounded import posterior
+from scaling.geometry.high_precision import LowParts
+from scaling.noise import conventions
+from scaling.noise.noise_model import sources
+from scaling.uncertainty import collapse, credible_intervals, prefactor
+from scaling.uncertainty.exact_draws import truncated_draws
+from studies import contact_lists
 from tests.fuzz.calls import Arguments, Call
 from tests.fuzz.samples import cellular, problem, sample
 
@@ -38,8 +42,7 @@ def _arrays(rng: Rng) -> Arguments:
     if rng.random() < 0.3:
         given["external"] = n.external
     if n.positions is not None and rng.random() < 0.2:
-        given["positions_low"] = 1e-17 * n.positions
-        given["radii_low"] = 1e-17 * n.radii
+        given["low"] = LowParts(1e-17 * n.positions, 1e-17 * n.radii)
     return given
 
 
@@ -190,7 +193,7 @@ SCALING: tuple[Call, ...] = (
         lambda network, **k: network.with_sizes(**k),
         lambda g: (lambda s: {
             "network": s.network, "radii": 1.01 * s.network.radii, "external": s.network.external,
-            "radii_low": None,
+            "low": None,
         })(sample(g)),
         steady=("network",),
     ),
@@ -303,9 +306,9 @@ SCALING: tuple[Call, ...] = (
         steady=("map",),
     ),
     Call("infer_contacts", scaling.infer_contacts, _inferred, 3),
-    Call("confusion", detection.confusion, _lists),
-    Call("list_error", detection.list_error, _list_error),
-    Call("collapse", data_collapse.collapse, _collapse, 0.6),
+    Call("confusion", contact_lists.confusion, _lists),
+    Call("list_error", contact_lists.list_error, _list_error),
+    Call("collapse", collapse.collapse, _collapse, 0.6),
     Call(
         "sources",
         sources,
@@ -318,13 +321,13 @@ SCALING: tuple[Call, ...] = (
     ),
     Call("loop_shares", prefactor.loop_shares, lambda g: _with(g, "frictional"), 0.7),
     Call("self_stress_gain", prefactor.self_stress_gain, lambda g: _with(g, "frictional"), 0.7),
-    Call("size_response", noise.size_response, lambda g: _with(g, noise="diameter"), 0.3),
-    Call("balance_response", noise.balance_response, lambda g: _with(g, "forces"), 0.3),
+    Call("size_response", conventions.size_response, lambda g: _with(g, noise="diameter"), 0.3),
+    Call("balance_response", conventions.balance_response, lambda g: _with(g, "forces"), 0.3),
     Call("posterior", posterior.posterior, _posterior, 2),
     Call("Prior", posterior.Prior, lambda g: {"mean": 1.0, "normal": 1.0, "tangential": 0.5}, 0.5),
     Call(
         "posterior_draws",
-        lambda draws, rng: credible.posterior_draws(problem(), rng, draws),
+        lambda draws, rng: credible_intervals.posterior_draws(problem(), rng, draws),
         lambda g: {"rng": _seeded(g), "draws": 2},
         0.15,
         seconds=30.0,
@@ -338,7 +341,7 @@ SCALING: tuple[Call, ...] = (
     ),
     Call(
         "credible_intervals",
-        lambda **k: credible.credible_intervals(problem(), **k),
+        lambda **k: credible_intervals.credible_intervals(problem(), **k),
         lambda g: {
             "rng": _seeded(g), "draws": 4, "level": 0.5,
             "method": _pick(g, "projected", "exact"), "spread": 2.0,
@@ -347,14 +350,14 @@ SCALING: tuple[Call, ...] = (
         seconds=30.0,
     ),
     Call(
-        "widened", lambda spread: credible.widened(problem(), spread),
+        "widened", lambda spread: credible_intervals.widened(problem(), spread),
         lambda g: {"spread": 2.0}, 0.3,
     ),
     Call(
         "enclosing",
-        credible.enclosing,
+        credible_intervals.enclosing,
         lambda g: {"sample": g.standard_normal((30, 4)), "level": 0.9},
         0.5,
     ),
-    Call("coverage", credible.coverage, _sample_ends, 0.5),
+    Call("coverage", credible_intervals.coverage, _sample_ends, 0.5),
 )  # fmt: skip

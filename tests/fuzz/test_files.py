@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-import dem.packing_file as packing_file
+import packing.files.npz as packing_file
 from tests.fuzz.files import BARE, DIFFERENT, FAULTS, HUNG, IDENTICAL, REFUSED, fuzz, main
 
 
@@ -29,7 +29,7 @@ def test_a_loader_without_checksum_is_caught(monkeypatch):
 
 def test_a_loader_that_trusts_the_directory_is_caught(monkeypatch):
     """As before there was a checksum: entries that a damaged entry swallows are not missed."""
-    monkeypatch.setattr("dem.archive._check_places", lambda *a: None)
+    monkeypatch.setattr("packing.files.archive._check_places", lambda *a: None)
     _, faults = fuzz(300, seed=1)
     assert any("format 2, entry_swallowed" in fault for fault in faults)
 
@@ -61,7 +61,7 @@ def test_one_line_of_counts(capsys, monkeypatch):
     assert main(["--inputs", "4"]) == 0
     (line,) = capsys.readouterr().out.splitlines()
     assert all(kind in line for kind in (REFUSED, IDENTICAL, *FAULTS))
-    monkeypatch.setattr("dem.packing_file._check_whole", lambda *a: 1 / 0)
+    monkeypatch.setattr("packing.files.npz._check_whole", lambda *a: 1 / 0)
     assert main(["--inputs", "40"]) == 1
     assert BARE in capsys.readouterr().out.splitlines()[0]
     with pytest.raises(SystemExit):

@@ -4,121 +4,121 @@ from __future__ import annotations
 
 from tests.mutation.mutation import Mutation
 
-DISKS = ("tests/dem/test_two_disks.py",)
-MOTION = ("tests/dem/test_motion.py",)
-POLISH = ("tests/dem/test_polish.py",)
-PRECISE = ("tests/dem/test_stiffen.py",)
-PACKING = ("tests/dem/test_packing.py",)
+DISKS = ("tests/dem/motion/test_two_disks.py",)
+MOTION = ("tests/dem/motion/test_motion.py",)
+POLISH = ("tests/dem/balance/test_newton.py",)
+PRECISE = ("tests/dem/protocols/test_stiffen.py",)
+PACKING = ("tests/packing/test_record.py",)
 
 DEM = (
     Mutation(
         "stable step: softer spring for stiffer",
-        "dem/law.py",
+        "dem/motion/drive.py",
         "max(law.stiffness, 2 * law.tangential)",
         "min(law.stiffness, 2 * law.tangential)",
         (*MOTION, *DISKS),
     ),
     Mutation(
         "kernel: slip by rolling, sign",
-        "dem/numpy_kernel.py",
+        "dem/motion/kernels/disks_numpy.py",
         "slip.real / r) - turn)",
         "slip.real / r) + turn)",
         DISKS,
     ),
     Mutation(
         "kernel: slip not in the frame at mid-step",
-        "dem/numpy_kernel.py",
+        "dem/motion/kernels/disks_numpy.py",
         "(1 - 0.5 * dt * slip.real / r)",
         "(1 + 0.5 * dt * slip.real / r)",
         (*DISKS, *MOTION),
     ),
     Mutation(
         "kernel: a sliding spring goes on stretching",
-        "dem/numpy_kernel.py",
+        "dem/motion/kernels/disks_numpy.py",
         "    np.divide(tangential, law.tangential, out=u)\n",
         "",
         (*DISKS, *MOTION),
     ),
     Mutation(
         "kernel: approach by strain left out",
-        "dem/numpy_kernel.py",
+        "dem/motion/kernels/disks_numpy.py",
         "approach = slip.real + m.rate * r",
         "approach = slip.real",
         (*DISKS, *MOTION),
     ),
     Mutation(
         "kernel: drag not implicit",
-        "dem/numpy_kernel.py",
+        "dem/motion/kernels/disks_numpy.py",
         "gain = (before + after) / (1 + drive.drag * after)",
         "gain = before + after",
         (*DISKS, *MOTION),
     ),
     Mutation(
         "kernel: inertia of a ring",
-        "dem/numpy_kernel.py",
+        "dem/motion/kernels/disks_numpy.py",
         "m.s += 2 * gain * forces.twist / m.mass",
         "m.s += gain * forces.twist / m.mass",
         DISKS,
     ),
     Mutation(
         "kernel: a last kick too long",
-        "dem/numpy_kernel.py",
+        "dem/motion/kernels/disks_numpy.py",
         "0.0 if last else 0.5 * dt",
         "0.5 * dt",
         (*DISKS, *MOTION),
     ),
     Mutation(
         "tangent: load of the cell, factor 2",
-        "dem/tangent.py",
+        "dem/balance/tangent.py",
         "cell_row[-1] -= 2 * trial.load / self.span",
         "cell_row[-1] -= trial.load / self.span",
         POLISH,
     ),
     Mutation(
         "tangent: turned f_t, sign",
-        "dem/tangent.py",
+        "dem/balance/tangent.py",
         "tangent -= on_grains @ diags_array(trial.tangential / trial.r)",
         "tangent += on_grains @ diags_array(trial.tangential / trial.r)",
         POLISH,
     ),
     Mutation(
         "rattlers: one contact more",
-        "dem/rest.py",
+        "dem/balance/forces_at_rest.py",
         "return 2 if law.friction > 0 else 3",
         "return 2 if law.friction > 0 else 2",
         POLISH,
     ),
     Mutation(
         "rattlers: taken off once",
-        "dem/rest.py",
+        "dem/balance/forces_at_rest.py",
         "        bearing &= ~drop\n",
         "        return bearing & ~drop\n",
         POLISH,
     ),
     Mutation(
         "precise: cell grows as it should shrink",
-        "dem/precise.py",
+        "dem/balance/high_precision.py",
         "grow = DoubleDouble.of(1.0) + strain",
         "grow = DoubleDouble.of(1.0) - strain",
         PRECISE,
     ),
     Mutation(
         "precise: low part of a side left out",
-        "dem/precise.py",
+        "dem/balance/high_precision.py",
         "dx = self.x[j] - self.x[i] + self.sides[0] * images[:, 0]",
         "dx = self.x[j] - self.x[i] + self.sides[0].high * images[:, 0]",
         PRECISE,
     ),
     Mutation(
         "tunnelling: smaller radius for larger",
-        "dem/audit.py",
+        "dem/balance/missed_contacts.py",
         "max(state.radii[i], state.radii[j])",
         "min(state.radii[i], state.radii[j])",
-        ("tests/dem/test_wrong_settings.py",),
+        ("tests/dem/protocols/test_wrong_settings.py",),
     ),
     Mutation(
         "residual: torque on the second grain",
-        "dem/packing.py",
+        "packing/packing_data.py",
         "np.add.at(twist, j, self.tangential_forces)",
         "np.add.at(twist, j, -self.tangential_forces)",
         PACKING,

@@ -4,37 +4,37 @@ from __future__ import annotations
 
 from tests.mutation.mutation import Mutation
 
-LAWS = ("tests/symbolic/test_contact_laws.py",)
-BALANCE = ("tests/symbolic/test_equilibrium.py",)
-COMMON = ("tests/symbolic/test_common_mode.py",)
-ORDERS = ("tests/symbolic/test_perturbation.py",)
-GAINS = ("tests/symbolic/test_gain.py",)
+LAWS = ("tests/scaling/symbolic/inputs/test_contact_law.py",)
+BALANCE = ("tests/scaling/symbolic/inputs/test_equilibrium.py",)
+COMMON = ("tests/scaling/symbolic/argument/test_common_mode.py",)
+ORDERS = ("tests/scaling/symbolic/argument/test_perturbation.py",)
+GAINS = ("tests/scaling/symbolic/loops/test_gain.py",)
 
 SYMBOLIC = (
     Mutation(
         "law: overlap with the exponent of the force",
-        "scaling/symbolic/contact.py",
+        "scaling/symbolic/inputs/contact_law.py",
         "return (normal_force / kappa) ** (1 / exponent)",
         "return (normal_force / kappa) ** exponent",
         LAWS,
     ),
     Mutation(
         "Hertz: the gap of one sphere for two",
-        "scaling/symbolic/hertz.py",
+        "scaling/symbolic/inputs/hertz.py",
         "wanted = delta / 2 - r**2 / sigma",
         "wanted = delta - r**2 / sigma",
         LAWS,
     ),
     Mutation(
         "balance: torque on the second grain",
-        "scaling/symbolic/equilibrium.py",
+        "scaling/symbolic/inputs/equilibrium.py",
         "return (f_t, f_t)",
         "return (f_t, -f_t)",
         BALANCE,
     ),
     Mutation(
         "common mode: a row without overlaps",
-        "scaling/symbolic/common_mode.py",
+        "scaling/symbolic/argument/common_mode.py",
         "length = Matrix([grains * (1 - Delta), 0])",
         "length = Matrix([grains * (1 + Delta), 0])",
         COMMON,
@@ -42,28 +42,28 @@ SYMBOLIC = (
     ),
     Mutation(
         "dimensions: disks of a mass per volume",
-        "scaling/symbolic/dimensions.py",
+        "scaling/symbolic/inputs/dimensions.py",
         "rho: (1, -2, 0),",
         "rho: (1, -3, 0),",
         LAWS,
     ),
     Mutation(
         "noise map of diameters: factor 2",
-        "scaling/symbolic/gain.py",
+        "scaling/symbolic/loops/gain.py",
         '"diameter": lambda grain: sp.Rational(1, 2)',
         '"diameter": lambda grain: sp.S.One',
         GAINS,
     ),
     Mutation(
         "motion: second order of the direction left out",
-        "scaling/symbolic/linearisation.py",
+        "scaling/symbolic/numeric/second_order.py",
         "dM = (self.balance(dn[0]), self.balance(dn[1]))",
         "dM = (self.balance(dn[0]), 0 * self.balance(dn[1]))",
         ORDERS,
     ),
     Mutation(
         "balance: no third law",
-        "scaling/symbolic/equilibrium.py",
+        "scaling/symbolic/inputs/equilibrium.py",
         "return (-x, -y)",
         "return (x, y)",
         BALANCE,

@@ -25,7 +25,7 @@ from scaling import (
     perturb,
     reconstruct,
 )
-from scaling.sources import sources
+from scaling.noise.noise_model import sources
 from tests.chi_squares import log_tail
 from tests.conftest import packing
 from tests.properties.strategies import (

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from scaling import ContactNetwork, perturb
-from scaling.posterior import posterior
-from scaling.sources import sources
+from scaling.estimators.bounded.posterior import posterior
+from scaling.noise.noise_model import sources
 
 
 def network_of(p):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from packing import memory
+from packing.arguments import memory
 from scaling import (
     ContactNetwork,
     collapse,
@@ -27,10 +27,10 @@ from scaling import (
     tiled_forces,
     to_pressure,
 )
-from scaling.detection import confusion, list_error
-from scaling.noise import balance_response
-from scaling.prefactor import loop_shares
-from scaling.sources import sources
+from scaling.noise.conventions import balance_response
+from scaling.noise.noise_model import sources
+from scaling.uncertainty.prefactor import loop_shares
+from studies.contact_lists import confusion, list_error
 from tests.conftest import packing
 from tests.scaling.networks import periodic, triangle
 from tests.scaling.packings import network_of

@@ -5,12 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from packing.arguments.coordinate_rounding import resolution, rounding_noise
 from scaling import flat_guess, reconstruct
-from scaling.credible import coverage, credible_intervals, enclosing, posterior_draws, widened
-from scaling.posterior import Prior, posterior
-from scaling.resolution import resolution, rounding_noise
-from scaling.sources import sources
-from scaling.truncated import truncated_draws
+from scaling.estimators.bounded.posterior import Prior, posterior
+from scaling.noise.noise_model import sources
+from scaling.uncertainty.credible_intervals import (
+    coverage,
+    credible_intervals,
+    enclosing,
+    posterior_draws,
+    widened,
+)
+from scaling.uncertainty.exact_draws import truncated_draws
 from tests.conftest import packing
 from tests.scaling.packings import network_of
 

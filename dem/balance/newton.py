@@ -1,0 +1,141 @@
+"""Newton's method on the contacts: from nearly at rest to equilibrium at round-off.
+
+Contacts may open, close, stick and slide on the way (a semi-smooth Newton method, on the
+tangent of ``dem.balance.tangent``).  Forces recomputed from rounded positions are off by ~ κ ε L,
+that is ε L/Δ in units of p.  The last increments y therefore go to the forces in full, f + df(y),
+and to the positions as far as these can hold them, x + y rounded once: the forces balance to
+round-off, and f_n - κ overlap is a few κ ε L however soft the packing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from dem.balance.forces_at_rest import Rest
+from dem.balance.tangent import PIN, Equilibrium, Trial
+from dem.motion.drive import ContactLaw
+from dem.motion.neighbours import Neighbours
+from dem.motion.state import Floats, State
+
+ITERATIONS = 40
+#: Newton steps without halving the residual before it is taken as stalled; fewer at round-off.
+PATIENCE, PATIENCE_AT_ROUND_OFF = 8, 2
+#: A longer move (mean diameters) means that the tangent is singular: not near rest.
+LONGEST_MOVE = 0.2
+#: Diagonal shift of the tangent, in κ, per residual/p: it vanishes as Newton converges, but where
+#: nothing holds a group of grains it lets them move by ~ Δ, off their contacts, and no further.
+SHIFT = 1.0
+#: Largest f_n - κ overlap after the last moves, in κ ε L: more, and they were not linear.
+LAG = 10
+#: Refinements of the forces once positions can do no more, and times that contacts may be opened.
+REFINEMENTS, OPENINGS = 20, 5
+
+
+class PolishFailed(ArithmeticError):
+    """Newton did not converge: the packing was not near enough to rest."""
+
+
+def polish(
+    state: State, near: Neighbours, law: ContactLaw, pressure: float, tolerance: float = 1e-9
+) -> Rest:
+    """Bring ``state`` (changed in place: positions, cell, history) to equilibrium.
+
+    Raises PolishFailed when the tangent is singular or the residual stops falling above
+    ``tolerance`` (in p) and round-off; the state is then as it was.
+    """
+    balance = Equilibrium(state, near, law, pressure)
+    # A sum of forces κ δ, δ the difference of lengths of order 1, is good to ~ κ ε.
+    floor = 10 * law.stiffness * np.finfo(float).eps
+    kept, iterations = newton(balance, floor, max(tolerance * pressure, 100 * floor))
+    rest, y = _carry(balance, kept, pressure, iterations)
+    _store(state, balance, y, rest)
+    return rest
+
+
+def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]:
+    """The trial of the smallest residual, and the number of iterations.
+
+    Ends at a residual of ``floor``, or when it stalls below ``good``; stalled above: PolishFailed.
+    """
+    pressure = balance.pressure
+    y = np.zeros(3 * balance.count + 1)
+    trial = kept = balance.trial(y)
+    best, stalled, iterations = np.inf, 0, 0
+    while iterations < ITERATIONS:
+        residual = trial.residual(trial.normal, trial.tangential)
+        worst = float(np.abs(residual).max())
+        if worst < 0.5 * best:
+            best, kept, stalled = worst, trial, 0
+        else:
+            stalled += 1
+        patience = PATIENCE if best > good else PATIENCE_AT_ROUND_OFF
+        if worst <= floor or stalled > patience:
+            break
+        move = _newton_step(balance, trial, max(PIN, SHIFT * worst / pressure))(residual)
+        if not np.abs(move).max() < LONGEST_MOVE:  # also when it is NaN
+            raise PolishFailed(f"a Newton step of {np.abs(move).max():.3g} ⟨σ⟩")
+        y = y + move
+        trial = balance.trial(y)
+        iterations += 1
+    if best > good:
+        raise PolishFailed(f"the residual stays at {best / pressure:.3g} p")
+    return kept, iterations
+
+
+def _newton_step(balance: Equilibrium, trial: Trial, shift: float) -> Callable[[Floats], Floats]:
+    try:
+        return balance.factorise(trial, shift)
+    except RuntimeError as singular:  # how SuperLU puts a pivot of exactly zero
+        raise PolishFailed(f"the tangent is singular ({singular})") from singular
+
+
+def _carry(
+    balance: Equilibrium, trial: Trial, pressure: float, iterations: int
+) -> tuple[Rest, Floats]:
+    """Forces after the last increments, f + df(y), and the moves that hold them.
+
+    Contacts that would have to pull are opened, and the rest carried on without them.
+    """
+    for _ in range(OPENINGS):
+        normal, tangential, moves = _increments(balance, trial)
+        overlaps = balance.branches(moves)[1]
+        lag = np.abs(normal - balance.law.stiffness * overlaps)[trial.bearing].max(initial=0.0)
+        if lag > LAG * balance.law.stiffness * np.finfo(float).eps * balance.near.sides.max():
+            raise PolishFailed(f"f_n - κ overlap is {lag / pressure:.2g} p: moves too long")
+        pulls = trial.bearing & (normal < 0)
+        if not pulls.any():
+            residual = np.abs(trial.residual(normal, tangential)).max()
+            worst = float(residual) / pressure
+            return Rest(normal, tangential, trial.bearing, worst, iterations), moves
+        trial = balance.without(trial, pulls)
+    raise PolishFailed(f"{int(pulls.sum())} contacts would have to pull")
+
+
+def _increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Floats]:
+    """Normal and tangential forces, refined on the tangent at ``trial``, and the moves."""
+    on_normal, on_slip, slides = balance.response(trial)
+    normal, tangential = trial.normal, trial.tangential
+    residual = trial.residual(normal, tangential)
+    newton_step, moves = _newton_step(balance, trial, PIN), trial.y
+    for _ in range(REFINEMENTS):
+        y = newton_step(residual)
+        stretched, slipped = trial.m_n.T @ y, -(trial.m_t.T @ y)
+        new_normal = normal + on_normal * stretched
+        new_tangential = tangential + on_slip * slipped + slides * stretched
+        new_residual = trial.residual(new_normal, new_tangential)
+        if np.abs(new_residual).max() >= np.abs(residual).max():
+            break
+        normal, tangential, residual, moves = new_normal, new_tangential, new_residual, moves + y
+    return normal, tangential, moves
+
+
+def _store(state: State, balance: Equilibrium, y: Floats, rest: Rest) -> None:
+    near = balance.near
+    z = state.positions.view(complex)[:, 0] * balance.stretch(y) + balance.displacement(y)
+    state.positions = np.column_stack([z.real, z.imag])
+    state.cell = np.diag(near.sides * balance.scale * balance.stretch(y))
+    near.elongation[:] = rest.tangential / balance.law.tangential
+    state.history = near.history()
+    state._near = state._reached = None

@@ -1,0 +1,1 @@
+"""Grains in motion: state, neighbours, the time step."""

@@ -1,0 +1,1 @@
+"""The inner loop of the time step, one file a backend."""

@@ -1,0 +1,164 @@
+"""The compiled twin of ``disks_numpy``: the same formulas, one pair at a time (extra ``fast``).
+
+A test holds the two together to round-off over hundreds of steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from dem.motion.drive import ContactLaw, Drive
+from dem.motion.kernels.disks_numpy import Forces, Motion, constants
+from dem.motion.neighbours import Neighbours
+
+
+def _forces(z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, dt, pull, twist):  # type: ignore[no-untyped-def]
+    """Fill ``pull`` and ``twist``, advance ``u`` by ``dt``, return the virial Σ f_n r.
+
+    Numbers are of the type of ``s``: a literal would widen float32 to float64.
+    """
+    real = s.dtype.type
+    zero, one, half_dt = real(0.0), real(1.0), real(0.5) * dt
+    size, rate = real(scale), real(rate)
+    pull[:] = 0.0
+    twist[:] = 0.0
+    virial = 0.0
+    for e in range(len(i)):
+        a, b = i[e], j[e]
+        d = z[b] - z[a] + shift[e] * size
+        r2 = d.real * d.real + d.imag * d.imag
+        if r2 >= sigma[e] * sigma[e]:
+            u[e] = zero
+            continue
+        r = np.sqrt(r2)
+        n = complex(d.real / r, d.imag / r)
+        normal = k * (sigma[e] - r)
+        slip = complex(zero, zero)
+        if mu > zero or dashpot > zero:
+            slip = (v[b] - v[a]) * n.conjugate()
+        if dashpot > zero:
+            normal = max(normal - dashpot * (slip.real + rate * r), zero)
+        tangential = zero
+        if mu > zero:
+            turn = s[a] + s[b]
+            cap = mu * normal
+            stretched = u[e] + dt * (slip.imag / (one - half_dt * slip.real / r) - turn)
+            tangential = min(max(kt * stretched, -cap), cap)
+            u[e] = tangential / kt
+            twist[a] += tangential
+            twist[b] += tangential
+        f = complex(-normal, tangential) * n
+        pull[a] += f
+        pull[b] -= f
+        virial += normal * r
+    return virial
+
+
+def _advance(  # type: ignore[no-untyped-def]
+    z, v, s, mass, total, area, scale, rate,
+    i, j, shift, sigma, u, origin, skin, smallest, largest,
+    k, kt, mu, dashpot, drag, pressure, controlled, dt, steps, drifted, pull, twist, virial,
+):  # fmt: skip
+    real = s.dtype.type
+    tick = real(dt)  # the cell moves in float64, the grains in their own precision
+    for done in range(steps):
+        if not drifted:
+            stretch = 1 + rate * dt if controlled else 1.0
+            scale *= stretch
+            grow, size = real(stretch), real(scale)
+            worst = largest if scale < 1 else smallest
+            reach = 0.5 * (scale * skin - (1 - scale) * worst)
+            far = real(0.0)
+            for g in range(len(z)):
+                z[g] = z[g] * grow + v[g] * tick
+                w = z[g] - size * origin[g]
+                far = max(far, w.real * w.real + w.imag * w.imag)
+            if reach <= 0.0 or far >= reach * reach:
+                return done, True, scale, rate, virial
+        drifted = False
+        virial = _forces(
+            z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, tick, pull, twist
+        )
+        before = 0.0 if done == steps - 1 else 0.5 * dt
+        fade = (1 - drag * before) / (1 + drag * 0.5 * dt)
+        gain = (before + 0.5 * dt) / (1 + drag * 0.5 * dt)
+        fading, push = real(fade), real(gain)
+        turning = real(2.0) * push
+        for g in range(len(z)):
+            v[g] = v[g] * fading + push * pull[g] / mass[g]
+        if mu > 0.0:
+            for g in range(len(z)):
+                s[g] = s[g] * fading + turning * twist[g] / mass[g]
+        if controlled:
+            rate = fade * rate + gain * (virial - 2 * pressure * area * scale**2) / total
+    return steps, False, scale, rate, virial
+
+
+@cache
+def _compiled(kept: bool) -> dict[str, Callable]:
+    """The two loops compiled; ``kept`` on disk for the next process."""
+    compile_ = njit(cache=kept, error_model="numpy")
+    forces = compile_(_forces)
+    advance = FunctionType(_advance.__code__, globals() | {"_forces": forces})
+    return {"forces": forces, "advance": compile_(advance)}
+
+
+_keeps = True
+
+
+def _run(name: str, *arguments: Any) -> Any:
+    """Call a loop; where machine code cannot be kept, compile it in each process.
+
+    That costs seconds and changes no number: a read-only package and no home, a full disk, a
+    damaged file of the cache.  The loops themselves raise nothing, so what is caught here
+    comes from keeping or loading them; anything else is raised again by the second call.
+    """
+    global _keeps
+    if _keeps:
+        try:
+            return _compiled(True)[name](*arguments)
+        except Exception:  # a damaged file can raise nearly anything
+            _keeps = False
+    return _compiled(False)[name](*arguments)
+
+
+def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> Forces:
+    """As ``disks_numpy.contact_forces``."""
+    pull, twist = np.empty_like(m.z), np.empty_like(m.s)
+    i, j = near.columns
+    virial = _run(
+        "forces",
+        m.z, m.v, m.s, m.scale, m.rate, i, j, near.shift, near.sigma, near.elongation,
+        *constants(m, law), m.s.dtype.type(dt), pull, twist,
+    )  # fmt: skip
+    return Forces(pull, twist, float(virial))
+
+
+def advance(
+    m: Motion,
+    forces: Forces,
+    near: Neighbours,
+    law: ContactLaw,
+    drive: Drive,
+    dt: float,
+    steps: int,
+    drifted: bool,
+) -> tuple[int, bool, Forces]:
+    """As ``disks_numpy.advance``."""
+    i, j = near.columns
+    controlled = drive.pressure is not None
+    done, drifted, m.scale, m.rate, virial = _run(
+        "advance",
+        m.z, m.v, m.s, m.mass, m.total, m.area, m.scale, m.rate,
+        i, j, near.shift, near.sigma, near.elongation,
+        near.origin, near.skin, near.smallest, near.largest,
+        *constants(m, law), drive.drag, drive.pressure or 0.0, controlled,
+        dt, steps, drifted, forces.pull, forces.twist, forces.virial,
+    )  # fmt: skip
+    return done, drifted, Forces(forces.pull, forces.twist, virial)

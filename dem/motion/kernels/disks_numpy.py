@@ -1,0 +1,155 @@
+"""The reference kernel: one time step in NumPy, the plane as complex numbers.
+
+With d = z_j - z_i, n = d/r and t = i n, a contact pulls grain i by (-f_n + i f_t) n and j by
+the opposite, and turns both by R f_t.  Surface speeds s = R ω stand for the spins, so that
+ds/dt = 2 (Σ f_t)/m beside dv/dt = (Σ f)/m.
+
+Velocity Verlet: half a kick, then drift, forces, kick, ..., and half a kick at the end.  The
+slip of a contact over a step is taken in the frame at mid-step, where d is d - (v_j - v_i) dt/2:
+that keeps the scheme of second order with history.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dem.motion.drive import ContactLaw, Drive
+from dem.motion.neighbours import Neighbours
+from dem.motion.state import Floats
+
+#: Pairs treated at a time.  What lies between positions and forces stays in the cache, and each
+#: array below the 128 kB from which the allocator asks the system anew: at 1e5 grains 2.5 times
+#: faster.
+BLOCK = 4096
+
+
+@dataclass
+class Forces:
+    """Net forces ``pull`` (complex), Σ f_t ``twist`` per grain, and Σ f_n r ``virial``."""
+
+    pull: np.ndarray
+    twist: Floats
+    virial: float
+
+
+@dataclass
+class Motion:
+    """Views of a state as the kernels see it: z, v complex; s = R ω; cell scale and its rate.
+
+    ``total`` is the inertia W = Σ m ⟨σ⟩² of the cell; ``rate`` is 0 in a fixed cell.
+    """
+
+    z: np.ndarray
+    v: np.ndarray
+    s: Floats
+    mass: Floats
+    total: float
+    area: float  # of the cell when scale = 1; 0 if there is none
+    scale: float  # of the cell since the neighbour list was made
+    rate: float
+
+
+def constants(m: Motion, law: ContactLaw) -> tuple[Any, Any, Any, Any]:
+    """κ, k_t, μ and c_n as numbers of the precision in which grains move."""
+    real = m.s.dtype.type
+    return real(law.stiffness), real(law.tangential), real(law.friction), real(law.dashpot)
+
+
+def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> Forces:
+    """Forces at the present positions; tangential history advanced by the last ``dt``."""
+    count = len(near.sigma)
+    force = np.empty(count, m.z.dtype)
+    tangential = np.empty(count if law.friction else 0, m.s.dtype)
+    virial = 0.0
+    for first in range(0, count, BLOCK):
+        pairs = slice(first, first + BLOCK)
+        virial += _pair_forces(m, near, law, dt, pairs, force[pairs], tangential[pairs])
+    twist = near.adjacency @ tangential if law.friction else np.zeros_like(m.s)
+    return Forces(near.incidence @ force, twist, virial)
+
+
+def _pair_forces(
+    m: Motion,
+    near: Neighbours,
+    law: ContactLaw,
+    dt: float,
+    pairs: slice,
+    force: np.ndarray,
+    tangential: Floats,
+) -> float:
+    """Fill ``force`` (on grain i) and ``tangential`` of some pairs; their Σ f_n r."""
+    i, j = near.columns[:, pairs]
+    d = m.z[j] - m.z[i] + near.shift[pairs] * m.scale
+    r = np.abs(d)
+    n = d / r
+    normal = law.stiffness * np.maximum(near.sigma[pairs] - r, 0.0)
+    if law.friction or law.dashpot:
+        slip = (m.v[j] - m.v[i]) * n.conj()
+    if law.dashpot:
+        approach = slip.real + m.rate * r
+        normal = np.where(normal > 0, np.maximum(normal - law.dashpot * approach, 0.0), 0.0)
+    if not law.friction:
+        np.multiply(-normal, n, out=force)
+        return float(normal @ r)
+    turn = m.s[i] + m.s[j]
+    u = near.elongation[pairs]
+    u += dt * (slip.imag / (1 - 0.5 * dt * slip.real / r) - turn)
+    # A force of zero keeps no memory: an open contact has cap 0, hence u = 0.
+    cap = law.friction * normal
+    np.minimum(np.maximum(law.tangential * u, -cap), cap, out=tangential)
+    np.divide(tangential, law.tangential, out=u)
+    force.real = -normal
+    force.imag = tangential
+    force *= n
+    return float(normal @ r)
+
+
+def drift(m: Motion, dt: float, moving_cell: bool) -> None:
+    """x -> (1 + e dt) x + v dt, the cell with it."""
+    if moving_cell:
+        m.z *= 1 + m.rate * dt
+        m.scale *= 1 + m.rate * dt
+    m.z += m.v * dt
+
+
+def kick(
+    m: Motion, forces: Forces, drive: Drive, before: float, after: float, rotates: bool
+) -> None:
+    """Advance velocities by ``before`` explicitly and ``after`` implicitly in the drag."""
+    fade = (1 - drive.drag * before) / (1 + drive.drag * after)
+    gain = (before + after) / (1 + drive.drag * after)
+    m.v *= fade
+    m.v += gain * forces.pull / m.mass
+    if rotates:
+        m.s *= fade
+        m.s += 2 * gain * forces.twist / m.mass
+    if drive.pressure is not None:
+        excess = forces.virial - 2 * drive.pressure * m.area * m.scale**2
+        m.rate = fade * m.rate + gain * excess / m.total
+
+
+def advance(
+    m: Motion,
+    forces: Forces,
+    near: Neighbours,
+    law: ContactLaw,
+    drive: Drive,
+    dt: float,
+    steps: int,
+    drifted: bool,
+) -> tuple[int, bool, Forces]:
+    """Up to ``steps`` steps; returns early, drifted, when the neighbour list is used up."""
+    rotates, moving_cell = law.friction > 0, drive.pressure is not None
+    for done in range(steps):
+        if not drifted:
+            drift(m, dt, moving_cell)
+            if np.abs(m.z - m.scale * near.origin).max() >= near.reach(m.scale):
+                return done, True, forces
+        drifted = False
+        forces = contact_forces(m, near, law, dt)
+        last = done == steps - 1
+        kick(m, forces, drive, 0.0 if last else 0.5 * dt, 0.5 * dt, rotates)
+    return steps, False, forces

@@ -1,0 +1,1 @@
+"""From scene to packing, and from packing to packing."""

@@ -1,0 +1,1 @@
+"""What a caller may give: numbers, arrays, sizes that fit into memory."""

@@ -1,0 +1,54 @@
+"""A periodic cell, sheared or not: contact (i, j, m) joins x_i to x_j + m·cell.
+
+branch   x_j - x_i + m·cell                 walks close to Λ = Σ ± m·cell
+virial   Σ_e f_n r = 2 p A ,   A the area of the cell
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from packing.arguments.arrays import Floats, Integers
+from packing.contact_list import resolved
+from packing.immutable import Immutable
+from packing.lattice import reduced
+
+_AROUND = np.array([[a, b] for a in (-1, 0, 1) for b in (-1, 0, 1)])
+
+
+@dataclass(frozen=True, eq=False)
+class Periodic(Immutable):
+    """``cell`` (2, 2): lattice vectors as rows, in any order and however sheared."""
+
+    cell: Floats
+
+    @property
+    def area(self) -> float:
+        """|det cell|."""
+        return abs(float(np.linalg.det(self.cell)))
+
+    def refuse_images(self, images: Integers) -> None:
+        """Every integer image exists."""
+
+    def nearest_images(self, positions: Floats, pairs: Integers) -> Integers:
+        """(c, 2) images that make the branches shortest; ValueError: centres too far out."""
+        branch = positions[pairs[:, 1]] - positions[pairs[:, 0]]
+        short, T = reduced(self.cell)
+        side = float(np.linalg.norm(short, axis=1).min())
+        resolved(positions, side, "the shortest lattice vector")
+        nearest = -np.round(branch @ np.linalg.inv(short))
+        # Rounding fractional coordinates may miss the nearest image, but by one at most, since
+        # the cell is reduced.
+        candidates = nearest[:, None, :] + _AROUND
+        r = np.linalg.norm(branch[:, None, :] + candidates @ short, axis=2)
+        return candidates[np.arange(len(pairs)), r.argmin(axis=1)].astype(np.int64) @ T
+
+    def branches(self, positions: Floats, pairs: Integers, images: Integers) -> Floats:
+        """(c, 2) x_j - x_i + m·cell."""
+        return positions[pairs[:, 1]] - positions[pairs[:, 0]] + images @ self.cell
+
+    def windings(self, images: Integers) -> Floats:
+        """(k, 2) Λ = m·cell."""
+        return images @ self.cell

@@ -1,0 +1,27 @@
+"""Contact laws: how overlap becomes force. One module each."""
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from packing.arguments.numbers import positive_number
+from packing.contact_law.contact_law import ContactLaw
+from packing.contact_law.linear import Linear
+from packing.contact_law.per_contact import PerContact
+
+__all__ = ["ContactLaw", "Linear", "PerContact", "law_of"]
+
+_METHODS = ("force", "overlap", "slope", "tangential_stiffness", "delta")
+
+
+def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
+    """The law that a ``stiffness`` stands for: a number κ, an array (c,) of them, or a law.
+
+    ValueError: a number that is not positive, named by its contact in an array.
+    """
+    if all(callable(getattr(stiffness, name, None)) for name in _METHODS):
+        return cast(ContactLaw, stiffness)
+    if isinstance(stiffness, np.ndarray | list | tuple) and np.ndim(stiffness):
+        return PerContact(np.asarray(stiffness))
+    return Linear(positive_number("stiffness", stiffness))

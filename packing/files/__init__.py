@@ -1,0 +1,1 @@
+"""Files of packings, one module a format."""

@@ -1,0 +1,116 @@
+"""The numbers of a packing, and what follows from them without a question asked.
+
+Signs and order as everywhere: contact (i, j) with i < j, n from i to j, t = n turned by +90°,
+force on i  -f_n n + f_t t,  torque on i and j  R f_t.  Equilibrium of grain i:
+
+    Σ_e (-f_n n + f_t t) s_ie + F_ext,i = 0,      Σ_e R_i f_t,e + T_ext,i = 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from packing.arguments.arrays import Floats, Integers
+from packing.boundary import Boundary, boundary_of
+from packing.doubledouble import DoubleDouble, hypot
+from packing.immutable import Immutable
+
+
+@dataclass(frozen=True, eq=False)
+class PackingData(Immutable):
+    """The fields of `Packing`, see there."""
+
+    positions: Floats
+    radii: Floats
+    cell: Floats | None
+    pairs: Integers
+    images: Integers
+    normal_forces: Floats
+    tangential_forces: Floats
+    external: Floats
+    stiffness: float
+    pressure: float
+    friction: float
+    info: dict[str, Any] = field(default_factory=dict)
+    positions_low: Floats | None = None
+    radii_low: Floats | None = None
+    cell_low: Floats | None = None
+
+    @property
+    def width(self) -> float:
+        """Length of the longest lattice vector; ValueError for an open packing."""
+        if self.cell is None:
+            raise ValueError("an open packing has no cell to be wide")
+        return float(np.linalg.norm(self.cell, axis=1).max())
+
+    @property
+    def boundary(self) -> Boundary:
+        """Open, or the periodic cell."""
+        return boundary_of(self.cell)
+
+    @property
+    def delta(self) -> float:
+        """Δ = p/κ, the deformation of the grains in mean diameters."""
+        return self.pressure / self.stiffness
+
+    @property
+    def forces(self) -> Floats:
+        """(f_n ; f_t) ``(2c,)``; f_n ``(c,)`` of a frictionless packing."""
+        if self.friction == 0:
+            return self.normal_forces
+        return np.concatenate([self.normal_forces, self.tangential_forces])
+
+    @property
+    def branches(self) -> np.ndarray:
+        """x_j - x_i + image shift ``(c,)`` as complex numbers x + iy."""
+        d = self.boundary.branches(self.positions, self.pairs, self.images)
+        return d[:, 0] + 1j * d[:, 1]
+
+    @property
+    def overlaps(self) -> Floats:
+        """δ = R_i + R_j - r ``(c,)``; without low parts it loses log10(1/Δ) digits."""
+        i, j = self.pairs.T
+        if self.positions_low is None and self.radii_low is None and self.cell_low is None:
+            return self.radii[i] + self.radii[j] - np.abs(self.branches)
+        x = DoubleDouble.of(self.positions, self.positions_low)
+        radii = DoubleDouble.of(self.radii, self.radii_low)
+        d = x[j] - x[i]
+        if self.cell is not None:
+            cell = DoubleDouble.of(self.cell, self.cell_low)
+            for k in (0, 1):
+                d = d + self.images[:, k, None] * cell[k]
+        return (radii[i] + radii[j] - hypot(d[:, 0], d[:, 1])).high
+
+    @property
+    def rattlers(self) -> np.ndarray:
+        """Grains without a force-bearing contact ``(N,)`` bool."""
+        return np.bincount(self.pairs.ravel(), minlength=len(self.radii)) == 0
+
+    @property
+    def coordination(self) -> float:
+        """Z = 2c/(grains that bear forces)."""
+        return 2 * len(self.pairs) / max(1, int(np.sum(~self.rattlers)))
+
+    @property
+    def solid_fraction(self) -> float:
+        """Σ π R² / cell area (overlaps counted twice)."""
+        if self.cell is None:
+            raise ValueError("an open packing has no cell to fill")
+        return float(np.pi * np.sum(self.radii**2) / abs(np.linalg.det(self.cell)))
+
+    def residuals(self) -> Floats:
+        """Per grain the larger of |Σ force| and |Σ torque|/R of the stored forces, in p⟨σ⟩."""
+        i, j = self.pairs.T
+        d = self.branches
+        pull = (-self.normal_forces + 1j * self.tangential_forces) * d / np.abs(d)
+        net = self.external[:, 0] + 1j * self.external[:, 1]
+        twist = self.external[:, 2] / self.radii
+        np.add.at(net, i, pull)
+        np.add.at(net, j, -pull)
+        np.add.at(twist, i, self.tangential_forces)
+        np.add.at(twist, j, self.tangential_forces)
+        scale = self.pressure * 2 * self.radii.mean()
+        return np.maximum(np.abs(net), np.abs(twist)) / scale

@@ -1,0 +1,1 @@
+"""Solvers that know no grain: least squares, with conditions, with limits; their evidence."""

@@ -1,0 +1,1 @@
+"""Eq. 1: balance apart from closure, and what its data must obey."""

@@ -1,0 +1,42 @@
+"""The moment of each part of an open component, as a combination of the rows of M.
+
+Internal forces balance in it up to O(Δ) only (lever arms R_i at contacts that overlap): enforced
+on noisy directions it would amplify their noise by 1/Δ, so estimators leave it free. A bridge, a
+contact on no loop, cannot transmit moment either, so the parts that bridges join (a dangling
+grain, say) are counted one by one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from scaling.geometry.contact_network import ContactNetwork
+
+
+def global_moments(network: ContactNetwork) -> csr_array:
+    """(3N, parts): rows of M combined to the moment of each part, columns of unit length.
+
+    None for what winds a periodic cell, and none if only directions are known.
+    """
+    active, forest = network.active, network.forest
+    none = csr_array((3 * len(active), 0))
+    if network.positions is None:
+        return none
+    looped = ~network.topology.bridges
+    winds = forest.winding_rank[forest.component] > 0
+    i, j = network.pairs[looped | winds[network.pairs[:, 0]]].T
+    graph = csr_array((np.ones(len(i)), (i, j)), shape=(network.grains, network.grains))
+    component = connected_components(graph, directed=False)[1][active]
+    labels = np.unique(component[~winds[active]])
+    x = network.positions[active]
+    if network.cell is not None:
+        x = x + forest.shift[active] @ network.cell
+    columns = []
+    for label in labels:
+        mine = component == label
+        y = np.where(mine[:, None], x - x[mine].mean(axis=0), 0.0)
+        v = np.concatenate([-y[:, 1], y[:, 0], np.where(mine, network.radii[active], 0.0)])
+        columns.append(v / np.linalg.norm(v))
+    return csr_array(np.column_stack(columns)) if columns else none

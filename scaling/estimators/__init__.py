@@ -1,0 +1,1 @@
+"""Ways to forces, one file each."""

@@ -1,0 +1,1 @@
+"""The most probable forces that balance, push and keep to Coulomb's limit."""

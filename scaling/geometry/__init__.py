@@ -1,0 +1,1 @@
+"""The contact network: who touches whom, its loops and windings, cuts and tilings."""

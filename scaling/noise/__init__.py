@@ -1,0 +1,1 @@
+"""Errors of the data: noise of any covariance, and systematic errors."""

@@ -1,0 +1,1 @@
+"""What forces amount to: functions of a network and its forces."""

@@ -1,0 +1,44 @@
+"""Stress of a contact network from its forces, compression positive:
+
+    σ_ab = (1/A) Σ_e r_e n_a (f_n n - f_t t)_b ,     p = tr σ/2 = Σ_e f_n r_e / (2A) ,
+
+r_e n the branch from i to j and f_n n - f_t t the force on j. It is symmetric when torques
+balance with the lever arm r_e/2 per grain pair; with the arms R_i, up to O(Δ).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from packing import contact_list
+from packing.arguments.arrays import Floats
+from packing.arguments.numbers import instance, positive_number, shown
+from scaling.geometry.contact_network import ContactNetwork
+
+
+def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = None) -> Floats:
+    """The (2, 2) stress tensor, force per length.
+
+    Parameters
+    ----------
+    forces : (2c,) f_n then f_t, or (c,) f_n alone
+    area : what the forces are spread over; needed for an open network, which has no area of
+        its own, and refused for a periodic one, whose area is that of its cell
+
+    ValueError: another number of forces, one that is not finite, or a wrong area.
+    """
+    c = instance("network", network, ContactNetwork).contacts
+    f, frictional = contact_list.forces(forces, c)
+    if network.cell is not None:
+        if area is not None:
+            raise ValueError(f"area = {shown(area)} is not used: the network has a cell")
+        area = abs(float(np.linalg.det(network.cell)))
+    elif area is None:
+        raise ValueError("an open network has no area of its own: give area")
+    else:
+        area = positive_number("area", area)
+    on_j = f[:c, None] * network.normals
+    if frictional:
+        on_j = on_j - f[c:, None] * network.tangents
+    return (network.distances[:, None] * network.normals).T @ on_j / area

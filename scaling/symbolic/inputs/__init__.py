@@ -1,0 +1,1 @@
+"""What is put in: contact laws, balance, closure, dimensions."""

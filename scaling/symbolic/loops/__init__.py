@@ -1,0 +1,1 @@
+"""Small networks in exact arithmetic: ranks, null spaces, gains."""

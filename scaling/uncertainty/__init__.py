@@ -1,0 +1,1 @@
+"""How errors of data become errors of forces: maps, bounds, draws, intervals, the collapse."""

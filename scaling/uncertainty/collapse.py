@@ -1,0 +1,134 @@
+"""The table behind the Comment's Fig. 1: error against noise, packing by packing.
+
+    E(ξ, Δ) = C ξ/Δ    for size noise, exactly linear:   f(ξ) - f(0) = κ G⁺(0 ; Q δσ)
+
+so that all packings fall on one line when ξ is divided by their Δ, and on none when it is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from packing import contact_list
+from packing.arguments.arrays import Floats, real_array
+from packing.arguments.memory import refuse_beyond
+from packing.arguments.numbers import generator, positive_number, real_number, shown, whole_number
+from packing.packing_like import fields_of
+from scaling.estimators.reconstruction import reconstruct
+from scaling.geometry.contact_network import ContactNetwork
+from scaling.noise.conventions import NonPositiveRadius, check_noise, perturb
+from scaling.uncertainty.amplification import amplification_of
+from scaling.uncertainty.error_map import LINEAR
+from scaling.uncertainty.relative_error import relative_error
+
+_PER_ROW = 500
+"""Bytes of a row, in the list and in the array made of it."""
+
+TABLE = np.dtype(
+    [
+        ("packing", np.int64),
+        ("delta", float),
+        ("xi", float),
+        ("ratio", float),
+        ("draw", np.int64),
+        ("error", float),
+        ("error_normal", float),
+        ("C", float),
+    ]
+)
+"""Columns: number of the packing; its Δ; ξ in units of ⟨σ⟩; ξ/Δ; number of the draw;
+E over all components; rms(δf_n)/⟨f_n⟩; the exact prefactor C."""
+
+
+def collapse(
+    packings: Iterable[Any],
+    xis: ArrayLike,
+    rng: np.random.Generator,
+    *,
+    draws: int = 1,
+    method: str = "gppsz",
+    noise: str = "diameter",
+    xi_max: float = 0.05,
+) -> NDArray:
+    """Reconstruct every packing from noisy data; one row per packing, strength and draw.
+
+    Parameters
+    ----------
+    packings : with the fields of a network, and `forces` (2c or c), `stiffness`,
+        `pressure`, `delta`
+    xis : strengths of the noise in units of each packing's Δ, positive
+    rng : every (packing, strength, draw) gets a child generator of its own, so more packings or
+        draws leave the others as they are
+    method, noise : see `reconstruct` and `perturb`; `transverse` gets the true normal forces
+    xi_max : strengths ξ above it are left out, and so are draws that make a radius negative: up
+        to ξ = 0.05 and with radii within ±30 % a 7σ event, even for `radius` noise
+
+    ValueError: bad input, naming argument and value.
+
+    Returns a structured array with the columns of `scaling.uncertainty.collapse.TABLE`.
+    """
+    ratios = real_array("xis", xis, None, "strength")
+    ratios = ratios.reshape(1) if ratios.ndim == 0 else ratios
+    if ratios.ndim != 1:
+        raise ValueError(f"xis has shape {ratios.shape}, expected (any,)")
+    if (ratios <= 0).any():
+        k = int(np.argmax(ratios <= 0))
+        raise ValueError(f"xis[{k}] is {ratios[k]}: strengths must be positive")
+    if not (isinstance(method, str) and method in LINEAR):
+        raise ValueError(f"method {shown(method)} is unknown; linear ones are {', '.join(LINEAR)}")
+    check_noise(noise)
+    rng, xi_max = generator("rng", rng), real_number("xi_max", xi_max)
+    if not xi_max > 0:
+        raise ValueError(f"xi_max = {xi_max}: the largest strength must be positive")
+    draws = whole_number("draws", draws, 1)
+    packings = _listed(packings)
+    refuse_beyond(
+        f"draws = {shown(draws)} would make {_rows(packings, ratios, draws):.3g} rows",
+        _PER_ROW * _rows(packings, ratios, draws),
+    )
+    rows: list[tuple] = []
+    for k, (packing, child) in enumerate(zip(packings, rng.spawn(len(packings)), strict=True)):
+        network = ContactNetwork.from_packing(packing)
+        more = fields_of(packing, ("forces", "stiffness", "pressure", "delta"))
+        true, frictional = contact_list.forces(more["forces"], network.contacts)
+        delta = positive_number("delta", more["delta"])
+        C, c = amplification_of(packing, method, noise), network.contacts
+        for ratio, stream in zip(ratios, child.spawn(len(ratios)), strict=True):
+            ξ = float(ratio * delta)
+            if ξ > xi_max:
+                continue
+            for draw, source in enumerate(stream.spawn(draws)):
+                try:
+                    noisy = perturb(network, ξ, source, noise)
+                except NonPositiveRadius:
+                    continue
+                found = reconstruct(
+                    noisy,
+                    packing.stiffness,
+                    method,
+                    frictional=frictional,
+                    normal_forces=true[:c] if method == "transverse" else None,
+                    xi=ξ if method == "optimal" else None,
+                    noise=noise if method == "optimal" else "diameter",
+                )
+                error = relative_error(found.forces, true, frictional=frictional)
+                normal = relative_error(found.normal, true[:c], frictional=False)
+                rows.append((k, delta, ξ, ratio, draw, error, normal, C))
+    return np.array(rows, dtype=TABLE)
+
+
+def _listed(packings: Any) -> list[Any]:
+    try:
+        if isinstance(packings, str | bytes | dict):
+            raise TypeError
+        return list(packings)
+    except TypeError:
+        raise ValueError(f"packings = {shown(packings)} is no list of packings") from None
+
+
+def _rows(packings: list[Any], ratios: Floats, draws: int) -> float:
+    return float(len(packings)) * len(ratios) * min(draws, 10**100)

@@ -1,0 +1,56 @@
+"""The linearised, constrained Cramér-Rao bound: what no unbiased estimator can beat.
+
+Parameters θ = (R, x, f_t); the data are R and x with noise of covariance ξ² L Lᵀ; what is
+known for certain is the balance of every grain, g(θ) = M(x) |f⟩ + |F_ext⟩ = 0 with
+f_n = κ (σ - r). With U a basis of the null space of ∂g/∂θ and 𝓕 the Fisher information of the
+data (Gorman and Hero, IEEE Trans. Inf. Theory 36, 1285 (1990); Stoica and Ng, IEEE Signal
+Process. Lett. 5, 177 (1998)),
+
+    cov f  ⪰  J U (Uᵀ 𝓕 U)⁻¹ Uᵀ Jᵀ ,     J = ∂f/∂θ ,     ∂g/∂x includes ∂(M f)/∂x .
+
+The same matrix is κ² ξ² E Eᵀ with E the error map of the estimate `optimal`: a projection applied
+to the noise. So `optimal`, told all data and their covariance, attains the bound to first order in
+ξ, and that is how it is computed.
+
+Counting, on the torus: the 3N - 2 balances of the N grains that are no rattlers, taken to be
+exact, against their N sizes and c transverse forces. With exact positions the bound for size
+noise is 0 when c + N <= 3N - 2, Z <= 4 - 4/N: sizes need not be measured at all. Without friction,
+N sizes against 2N - 2 balances: always.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from scaling.geometry.contact_network import ContactNetwork
+from scaling.uncertainty.error_map import ErrorMap, error_map
+
+
+def cramer_rao(
+    network: ContactNetwork,
+    noise: str = "diameter",
+    covariance: Any = None,
+    *,
+    data: str = "all",
+    frictional: bool = True,
+    forces: ArrayLike | None = None,
+    stiffness: float | None = None,
+) -> ErrorMap:
+    """The bound at the noise-free `network`, as an error map: `.gain`, `.per_contact` ...
+
+    Standard deviations of forces are κ ξ times those of the map, ξ = `.xi` for a covariance.
+    Parameters: see `scaling.error_map`. `forces` are the true ones, for noisy positions; left out,
+    the bound is that of directions known exactly in M, higher or lower by O(Δ).
+    """
+    return error_map(
+        network,
+        "optimal",
+        noise,
+        covariance=covariance,
+        data=data,
+        frictional=frictional,
+        forces=forces,
+        stiffness=stiffness,
+    )

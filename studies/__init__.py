@@ -1,0 +1,1 @@
+"""What the figures and pages show, computed and written as tables."""
