@@ -22,7 +22,7 @@ from scipy.sparse import csr_array, diags_array, vstack
 from packing.arguments.arrays import Floats
 from packing.immutable import Immutable, read_only
 from scaling.geometry.contact_network import ContactNetwork
-from scaling.geometry.loops import Loops
+from scaling.geometry.topology.loops import Loops
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from scipy.sparse import csr_array, diags_array, issparse
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import flag, instance, positive_number, shown
 from packing.contact_law import ContactLaw, Linear, PerContact, law_of
-from scaling.algebra.least_squares import Conditioning
+from scaling.algebra.conditioning import Conditioning
 from scaling.equation.matrices import Matrices, matrices
 from scaling.geometry.contact_network import ContactNetwork
 

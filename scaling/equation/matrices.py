@@ -20,7 +20,7 @@ from scaling.algebra.least_squares import LeastSquares
 from scaling.equation.balance import Balance, balance
 from scaling.equation.closure import Closure, closure
 from scaling.geometry.contact_network import ContactNetwork
-from scaling.geometry.loops import Loops
+from scaling.geometry.topology.loops import Loops
 
 ROW = np.dtype([("kind", "U8"), ("index", np.int64)])
 
