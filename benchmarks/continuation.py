@@ -31,7 +31,7 @@ def measure(grains: int, seed: int) -> tuple[tuple[float, ...], tuple[float, ...
     """(continued, integrated)."""
     scene = Scene(grains, DELTA)
     continued = relax(scene, seed, progress=False)
-    with patch.object(import_module("dem.relax"), "CONTINUED_BELOW", 0.0):
+    with patch.object(import_module("dem.protocols.relax"), "CONTINUED_BELOW", 0.0):
         integrated = relax(scene, seed, progress=False)
     return statistics(continued), statistics(integrated)
 

@@ -18,8 +18,8 @@ from benchmarks.size import BASE, DELTA
 from benchmarks.spread import spread
 from benchmarks.tiling import tiled
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
-from dem.numpy_kernel import BLOCK
-from dem.start import along_strips
+from dem.motion.kernels.disks_numpy import BLOCK
+from dem.protocols.loose_gas import along_strips
 
 REPEATS = 5
 STRIPS, RANDOM, ONE_PIECE = "along strips", "at random", "along strips, pairs in one piece"
@@ -49,7 +49,9 @@ def compute(copies: int, repeats: int = REPEATS) -> dict[Case, np.ndarray]:
     for repeat in range(repeats + 1):  # the first is thrown away
         for case, moving in states.items():
             steps = max(20, 200_000 // len(moving.radii))
-            with patch("dem.numpy_kernel.BLOCK", 10**9 if case[1] == ONE_PIECE else BLOCK):
+            with patch(
+                "dem.motion.kernels.disks_numpy.BLOCK", 10**9 if case[1] == ONE_PIECE else BLOCK
+            ):
                 begin = time.process_time()
                 step(
                     moving, ContactLaw(), 0.05, drive=Drive(DELTA**0.5, DELTA), steps=steps,

@@ -27,7 +27,7 @@ TABLE = np.dtype([
 
 def measure(grains: int, seed: int) -> tuple[Any, ...]:
     """One packing."""
-    module, spent = import_module("dem.relax"), []
+    module, spent = import_module("dem.protocols.relax"), []
     polish = module.polish
 
     def timed(*arguments: Any) -> Any:
