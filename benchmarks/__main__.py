@@ -26,6 +26,7 @@ from matplotlib.figure import Figure
 from benchmarks import (
     continuation,
     dem_trade,
+    ensembles,
     floor,
     lammps_packing,
     lammps_step,
@@ -101,8 +102,12 @@ def _finished(run: Run) -> None:
 
 def _sizes(run: Run) -> None:
     copies = (1, 4, 10, 32) if run.full else (1, 4, 10)
-    shares = {packings: size.efficiency(packings) for packings in (96, 16)}
-    run.keep("size", size.text(size.compute(copies), shares))
+    run.keep("size", size.text(size.compute(copies)))
+
+
+def _cores(run: Run) -> None:
+    shares = {packings: ensembles.efficiency(packings) for packings in (96, 16)}
+    run.keep("ensembles", ensembles.text(shares))
 
 
 def _numbering(run: Run) -> None:
@@ -192,7 +197,8 @@ def _no_noise(run: Run, pool: ProcessPoolExecutor) -> None:
 
 #: Timings against others first, while no other process of ours runs.
 PARTS: dict[str, Callable[[Run], None]] = {
-    "lammps_step": _steps, "step_cost": _physics, "size": _sizes, "numbering": _numbering,
+    "lammps_step": _steps, "step_cost": _physics, "size": _sizes, "ensembles": _cores,
+    "numbering": _numbering,
     "precision": _single, "polish_cost": _newton, "lammps_packing": _finished,
     "solvers": _equation, "dem_trade": _pooled(_trade), "relaxation": _pooled(_rest),
     "same_packing": _pooled(_resting), "ramps": _pooled(_pressures),

@@ -107,7 +107,7 @@ def text(table: np.ndarray) -> str:
             mine = table[(table["friction"] == friction) & (table["stage"] == k)]
             cells = [
                 f"{friction:g}", f"{PATH[k]:.0e}", _mean(mine["Z"], 3), _mean(mine["phi"], 4),
-                _mean(mine["kept"], 3), _mean(mine["Z_fresh"], 3), _mean(mine["phi_fresh"], 4),
+                _mean(mine["kept"], 4), _mean(mine["Z_fresh"], 3), _mean(mine["phi_fresh"], 4),
                 f"{mine['error'].max():.0e}",
             ]  # fmt: skip
             lines.append(f"| {' | '.join(cells)} |")

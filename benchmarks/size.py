@@ -1,33 +1,27 @@
-"""Cost and memory per grain from 1e3 to 1e5 grains (FULL: 1e6), and the efficiency of ensembles.
+"""Cost and memory per grain from 1e3 to 1e5 grains (FULL: 1e6).
 
 A packing of 1000 grains is tiled n × n.  Step: µs of processor time per grain and step, both
 precisions interleaved in one process, with their ratio.  Reconstruction: assembly, and lsmr to
 1e-8.  Memory, each time in a process of its own: growth of the resident set where it can be told
 from what the allocator holds ready, and the peak of the arrays (which leaves out the k-d tree).
-Efficiency of
-an ensemble on w processes: (time of one process)/(w × time of w), both by the wall clock; and the
-share of the w × time in which a packing was being made, which other jobs on the machine do not
-spoil.  All are medians (min–max) over repeats.
+All are medians (min–max) over repeats.
 """
 
 from __future__ import annotations
 
 import multiprocessing
-import os
 import resource
 import time
 import tracemalloc
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from importlib.util import find_spec
-from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import lsmr
 
 from benchmarks.spread import spread
 from benchmarks.tiling import tiled
-from dem import ContactLaw, Drive, Packing, Scene, State, relax, relax_ensemble, step
+from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
 from dem.motion.step import PRECISIONS
 from scaling import force_equation
 
@@ -38,7 +32,6 @@ REPEATS, FRESH = 5, 3
 """Timings in one process; processes in which memory is measured."""
 Row = tuple[str, int, list[float]]
 Memory = tuple[str, int, float, float]
-Shares = tuple[list[float], list[float]]
 
 
 def _resident() -> float:
@@ -157,54 +150,8 @@ def compute(copies: tuple[int, ...]) -> tuple[list[Row], list[Memory]]:
     return [row for some in rows for row in some], memory
 
 
-class _Clocked(Executor):
-    """An executor that notes in each packing how long it took."""
-
-    def __init__(self, inner: Executor) -> None:
-        self.inner = inner
-
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-        return self.inner.submit(_clock, fn, args, kwargs)
-
-
-def _clock(fn: Any, args: Any, kwargs: Any) -> Packing:
-    begin = time.perf_counter()
-    packing = fn(*args, **kwargs)
-    packing.info["wall"] = time.perf_counter() - begin
-    return packing
-
-
-def efficiency(packings: int, grains: int = 300, repeats: int = REPEATS) -> Shares:
-    """Efficiency and busy share of ``relax_ensemble`` on all cores, repeats interleaved."""
-    workers = os.cpu_count() or 1
-    scenes, seeds = [Scene(grains, 1e-3)] * packings, range(packings)
-    gain, busy = [], []
-    with ProcessPoolExecutor(1) as one, ProcessPoolExecutor(workers) as all_cores:
-        for pool, count in ((one, 1), (all_cores, workers)):  # start workers, compile
-            list(pool.map(_warm, range(4 * count)))
-        for _ in range(repeats):
-            spent = []
-            for pool in (one, all_cores):
-                begin = time.perf_counter()
-                made = relax_ensemble(
-                    scenes,
-                    seeds,
-                    executor=_Clocked(pool),
-                    progress=False,
-                )
-                spent.append(time.perf_counter() - begin)
-            gain.append(spent[0] / (workers * spent[1]))
-            busy.append(sum(p.info["wall"] for p in made) / (workers * spent[1]))
-    return gain, busy
-
-
-def _warm(seed: int) -> None:
-    relax(Scene(30, 1e-1), seed, progress=False)
-    time.sleep(0.2)
-
-
-def text(table: tuple[list[Row], list[Memory]], shares: dict[int, Shares]) -> str:
-    """Times, ratios of the precisions, memory, efficiencies; a column for each N."""
+def text(table: tuple[list[Row], list[Memory]]) -> str:
+    """Times, ratios of the precisions, memory; a column for each N."""
     rows, memory = table
     spent = {(what, grains): np.array(times) for what, grains, times in rows}
     single = {
@@ -222,10 +169,6 @@ def text(table: tuple[list[Row], list[Memory]], shares: dict[int, Shares]) -> st
     lines += _pivot("float32 over float64, of the same repeat", single, ".2f")
     lines += _pivot("bytes of arrays per grain", bytes_of[1], ".0f")
     lines += _pivot("resident bytes per grain", bytes_of[0], ".0f")
-    for packings, (gain, busy) in shares.items():
-        lines += ["", f"Ensembles of {packings} on {os.cpu_count()} cores, {len(gain)} repeats: "
-                  f"efficiency {spread(gain, '.2f')}, share of time at work "
-                  f"{spread(busy, '.2f')}"]  # fmt: skip
     return "\n".join(lines)
 
 
