@@ -1,7 +1,7 @@
 """The share of Newton's method in the time to a finished packing, over N.
 
-In a large packing some group of grains is nearly always still moving, and Newton's method fails
-until it rests.  Processor seconds of all polishes of a relaxation, and of the rest of it; tries
+In a large packing some group of grains may still be moving, and Newton's method fails until it
+rests.  Processor seconds of all polishes of a relaxation, and of the rest of it; tries
 counts them.  Medians (min–max) over packings.
 """
 

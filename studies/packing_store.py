@@ -78,6 +78,13 @@ def make(scenes: Sequence[Scene], seeds: Sequence[int]) -> list[Packing]:
     return relax_ensemble(scenes, seeds, store=STORE, settings=Settings(), progress=False)
 
 
+def cell_of(p: Packing) -> np.ndarray:
+    """Its lattice vectors ``(2, 2)``: all packings here are periodic."""
+    if p.cell is None:
+        raise ValueError("this packing is open: it has no cell")
+    return p.cell
+
+
 def net(p: Packing) -> ContactNetwork:
     """Its contact network."""
     return ContactNetwork.from_packing(p)

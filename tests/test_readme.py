@@ -13,6 +13,7 @@ from studies.experiment import experiment_errors
 from studies.packings import packing_table
 from studies.prefactors import prefactor_laws
 from studies.tables import read_facts, read_table
+from tests.readme_lines import lines
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text()
@@ -20,7 +21,7 @@ ESTIMATORS = (ROOT / "docs" / "estimators.md").read_text()
 
 
 def test_ten_lines_run_and_the_prediction_holds(capsys):
-    code = re.search(r"```python\n(.*?)```", README, re.DOTALL).group(1)
+    code = lines()
     statements = [
         line for line in code.splitlines() if line and not line.startswith(("import", "from"))
     ]

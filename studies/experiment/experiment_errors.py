@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 
@@ -93,6 +94,7 @@ def chosen(packings: Sequence[Packing], edition: Edition) -> dict[float, list[Pa
 def _contacts(p: Packing, ratio: float, rng: np.random.Generator) -> Iterator[tuple[str, float]]:
     xi = ratio * p.delta
     noisy = perturb(ContactNetwork.from_packing(p), xi, rng, "position")
+    assert noisy.positions is not None  # noise on positions keeps them
     unit = max(np.sqrt(2) * xi, 0.3 * p.delta)
     lists = {}
     for t in THRESHOLDS:
@@ -102,7 +104,7 @@ def _contacts(p: Packing, ratio: float, rng: np.random.Generator) -> Iterator[tu
     best = min(lists, key=lambda t: lists[t][0] + lists[t][1])
     yield "false", lists[best][0] / len(p.pairs)
     yield "missed", lists[best][1] / len(p.pairs)
-    weights = {
+    weights: dict[str, Any] = {
         "xi": xi, "noise": "position", "friction": p.friction, "pressure": p.pressure,
     }  # fmt: skip
     known = reconstruct(noisy, p.stiffness)

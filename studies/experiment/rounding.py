@@ -23,6 +23,7 @@ from scaling import (
     reconstruct,
     relative_error,
 )
+from studies.packing_store import cell_of
 
 KINDS = ("float16", "float32", *(f"{k} decimals" for k in range(2, 10)))
 #: Beyond this displacement of a coordinate (in ⟨σ⟩) contacts cross: no packing any more.
@@ -31,15 +32,6 @@ TABLE = np.dtype([
     ("delta", float), ("seed", int), ("kind", "U12"), ("xi", float), ("ratio", float),
     ("error", float), ("predicted", float),
 ])  # fmt: skip
-
-
-def text(table: np.ndarray) -> str:
-    """How far E is from its prediction."""
-    off = table["error"] / table["predicted"]
-    return (
-        f"E over its prediction for noise of h/√12: median {np.median(off):.2f}, "
-        f"from {off.min():.2f} to {off.max():.2f}, {len(off)} reconstructions"
-    )
 
 
 def rounded(values: np.ndarray, kind: str) -> np.ndarray:
@@ -55,12 +47,12 @@ def compute(packings: Iterable[Packing], kinds: Iterable[str] = KINDS) -> np.nda
     kinds = list(kinds)
     for p in packings:
         # Into the cell, as a file has them; the images follow.
-        sides = np.diag(p.cell)
+        sides = np.diag(cell_of(p))
         jump = -np.floor(p.positions / sides).astype(int)
         x = p.positions + jump * sides
         i, j = p.pairs.T
         images = p.images + jump[i] - jump[j]
-        C = [amplification_of(p, noise=noise) for noise in ("position", "radius")]
+        C_x, C_R = (amplification_of(p, noise=noise) for noise in ("position", "radius"))
         for kind in kinds:
             xis = np.array([rounding_noise(x, kind), rounding_noise(p.radii, kind)])
             if xis.max() > COARSEST:
@@ -71,10 +63,19 @@ def compute(packings: Iterable[Packing], kinds: Iterable[str] = KINDS) -> np.nda
                     rounded(x, kind), rounded(p.radii, kind), p.pairs, cell=p.cell, images=images
                 )
             found = reconstruct(network, p.stiffness)
-            predicted = float(np.hypot(*(C * xis))) / p.delta
-            xi = predicted * p.delta / float(np.hypot(*C))
+            predicted = float(np.hypot(C_x * xis[0], C_R * xis[1])) / p.delta
+            xi = predicted * p.delta / float(np.hypot(C_x, C_R))
             rows.append((
                 p.delta, p.info["seed"], kind, xi, xi / p.delta,
                 relative_error(found, p), predicted,
             ))  # fmt: skip
     return np.array(rows, TABLE)
+
+
+def text(table: np.ndarray) -> str:
+    """How far E is from its prediction."""
+    off = table["error"] / table["predicted"]
+    return (
+        f"E over its prediction for noise of h/√12: median {np.median(off):.2f}, "
+        f"from {off.min():.2f} to {off.max():.2f}, {len(off)} reconstructions"
+    )

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from dem import Packing, Scene
 from scaling import forces_of_overlaps, reconstruct, relative_error, to_pressure
 from studies.open_regions import without_dangling
-from studies.packing_store import SEED, make, net
+from studies.packing_store import SEED, cell_of, make, net
 
 STIFFNESS_AT = (1e-1, 1e-2, 1e-4)
 ERROR = 0.1
@@ -43,8 +44,9 @@ def _wrong_stiffness(p: Packing, method: str) -> tuple[float, ...]:
         return relative_error(to_pressure(n, found, p.pressure) if scaled else found, p)
 
     spread = δ / (1 + ERROR * np.random.default_rng(SEED).uniform(-1, 1, len(δ)) * np.sqrt(3))
-    centre = p.cell.sum(axis=0) / 2
-    mask = np.linalg.norm(p.positions - centre, axis=1) < p.cell[0, 0] / 2.2
+    cell = cell_of(p)
+    centre = cell.sum(axis=0) / 2
+    mask = np.linalg.norm(p.positions - centre, axis=1) < cell[0, 0] / 2.2
     region = without_dangling(n, mask, true.reshape(2, -1))
     f = true.reshape(2, -1)[:, region.contact_index].ravel()
     own = f[: region.contacts] / κ
@@ -60,7 +62,9 @@ def _wrong_stiffness(p: Packing, method: str) -> tuple[float, ...]:
 
 def _weighed(p: Packing, method: str) -> float:
     """E of `optimal` or `bounded` for κ wrong by one factor, data exact but taken as ξ = 0.1 Δ."""
-    more = {"friction": p.friction, "pressure": p.pressure} if method == "bounded" else {}
+    more: dict[str, Any] = (
+        {"friction": p.friction, "pressure": p.pressure} if method == "bounded" else {}
+    )
     κ, xi = (1 + ERROR) * p.stiffness, 0.1 * p.delta
     found = reconstruct(net(p), κ, method, xi=xi, noise="position", **more)
     return relative_error(found, p)

@@ -13,7 +13,7 @@ import numpy as np
 from dem import Packing
 from scaling import ContactNetwork, error_map
 from studies.one_packing.grains import DELTA, choose
-from studies.packing_store import Edition
+from studies.packing_store import Edition, cell_of
 from studies.tables import structured
 
 
@@ -25,7 +25,7 @@ def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     E = error_map(network)
     s, η, δf = E.worst_pattern()
     i, j = packing.pairs.T
-    end = packing.positions[j] + packing.images @ packing.cell
+    end = packing.positions[j] + packing.images @ cell_of(packing)
     unit = network.mean_diameter
     columns = {
         "i": i, "j": j, "x_i": packing.positions[i, 0], "y_i": packing.positions[i, 1],

@@ -9,7 +9,7 @@ import numpy as np
 from dem import Packing
 from scaling import ContactNetwork, perturb, reconstruct, relative_error
 from studies.one_packing.grains import DELTA, choose
-from studies.packing_store import Edition
+from studies.packing_store import Edition, cell_of
 from studies.tables import structured
 
 RATIOS = {"hundredth": 0.01, "equal": 1.0, "hundredfold": 100.0}
@@ -25,7 +25,7 @@ def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     rng = np.random.default_rng(SEED)
     mean = packing.normal_forces.mean()
     i, j = packing.pairs.T
-    end = packing.positions[j] + packing.images @ packing.cell
+    end = packing.positions[j] + packing.images @ cell_of(packing)
     columns = {
         "i": i, "j": j, "x_i": packing.positions[i, 0], "y_i": packing.positions[i, 1],
         "x_j": end[:, 0], "y_j": end[:, 1], "true": packing.normal_forces / mean,

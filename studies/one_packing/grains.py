@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dem import Packing
-from studies.packing_store import Edition
+from studies.packing_store import Edition, cell_of
 from studies.tables import structured
 
 DELTA = 1e-4
@@ -21,7 +21,7 @@ def choose(packings: Sequence[Packing]) -> Packing:
 def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
     """One row per grain, rattlers too; the sides of the cell repeat in columns of their own."""
     packing = choose(packings)
-    width, height = np.diag(packing.cell)
+    width, height = np.diag(cell_of(packing))
     count = len(packing.radii)
     return structured({
         "x": packing.positions[:, 0], "y": packing.positions[:, 1], "radius": packing.radii,

@@ -9,7 +9,7 @@ import numpy as np
 from dem import Scene
 from scaling import error_map, force_equation
 from studies.open_regions import without_dangling
-from studies.packing_store import DELTAS, SEED, full, make, net
+from studies.packing_store import DELTAS, SEED, cell_of, full, make, net
 from studies.prefactors import prefactor_laws
 
 
@@ -27,7 +27,8 @@ def lines() -> Iterator[str]:
         " gppsz/bound (positions) | balanced/bound |"
     )
     yield "|---|---|---|---|---|---|---|---|---|"
-    everything, smooth = [], []
+    everything: list[np.ndarray] = []
+    smooth: list[np.ndarray] = []
     for name, packings in groups.items():
         t = np.array([prefactor_laws.row(p) for p in packings], prefactor_laws.TABLE)
         (everything if t["friction"][0] else smooth).append(t)
@@ -55,7 +56,8 @@ def cut() -> Iterator[str]:
     for d in (1e-2, 1e-4):
         p = full(d)
         f = p.forces.reshape(2, -1)
-        mask = np.linalg.norm(p.positions - p.cell.sum(axis=0) / 2, axis=1) < p.cell[0, 0] / 2.2
+        cell = cell_of(p)
+        mask = np.linalg.norm(p.positions - cell.sum(axis=0) / 2, axis=1) < cell[0, 0] / 2.2
         region = without_dangling(net(p), mask, f)
         equation = force_equation(region)
         K, bar = error_map(region).estimated_gain(np.random.default_rng(SEED), 12)

@@ -10,6 +10,7 @@ isostaticity.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +46,9 @@ def row(p: Packing) -> tuple:
     equation = force_equation(network, frictional)
     gains = []
     for method, noise in MAPS:
-        true = {"forces": p.forces, "stiffness": p.stiffness} if noise == "position" else {}
+        true: dict[str, Any] = {}
+        if noise == "position":
+            true = {"forces": p.forces, "stiffness": p.stiffness}
         found = error_map(network, method, noise, frictional=frictional, **true)
         gains.append(found.estimated_gain(np.random.default_rng(SEED), PROBES))
     K, bars = zip(*gains, strict=True)
