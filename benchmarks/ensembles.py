@@ -12,8 +12,8 @@ import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from typing import Any
 
-from benchmarks.spread import spread
 from dem import Packing, Scene, relax, relax_ensemble
+from studies.error_bars import spread
 
 Shares = tuple[list[float], list[float]]
 

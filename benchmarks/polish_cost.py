@@ -15,8 +15,8 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.spread import spread
 from dem import Scene, relax
+from studies.error_bars import spread
 
 DELTA = 1e-2
 TABLE = np.dtype([

@@ -16,7 +16,6 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.spread import spread
 from dem import (
     ContactLaw,
     Drive,
@@ -31,6 +30,7 @@ from dem import (
 )  # fmt: skip
 from dem.motion.step import PRECISIONS
 from scaling import ContactNetwork, reconstruct, relative_error
+from studies.error_bars import spread
 
 #: Inertial times after which a packing counts as not coming to rest (float64 needs 10 to 80).
 LONGEST = 300.0
