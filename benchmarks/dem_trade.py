@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from dem import NotRelaxed, Scene, Settings, relax
-from dem.motion.step import PRECISIONS
+from dem.motion.backends import PRECISIONS
 from paper_figs.style import MARKERS, plt
 from scaling import ContactNetwork, reconstruct, relative_error
 

@@ -26,7 +26,7 @@ from scipy.sparse.linalg import lsmr
 
 from benchmarks.tiling import tiled
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, relax_ensemble, step
-from dem.motion.step import PRECISIONS
+from dem.motion.backends import PRECISIONS
 from scaling import force_equation
 
 DELTA, BASE = 1e-3, 1000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dem.motion.step import check_backend, check_precision
+from dem.motion.backends import check_backend, check_precision
 from packing.arguments.numbers import SMALLEST, flag, number_from_zero, positive_number
 
 #: What each setting may be, in its unit.  Below a skin of 1e-3 the list is made anew at every

@@ -19,7 +19,7 @@ from typing import Any
 
 from tqdm.auto import tqdm
 
-from dem.motion.step import resolve_backend
+from dem.motion.backends import resolve_backend
 from dem.protocols.relax import CONTINUED_BELOW, relax
 from dem.protocols.run import Run, Task
 from dem.protocols.store import Store

@@ -21,16 +21,13 @@ from typing import Any
 import numpy as np
 
 from dem.motion.drive import Drive
-from dem.motion.state import History, State
+from dem.motion.history import History
+from dem.motion.state import State
+from dem.protocols.not_relaxed import NotRelaxed
+from dem.protocols.plan import Plan, check_noise
 from dem.protocols.progress import PressureBar
-from dem.protocols.relax import (
-    CONTINUED_BELOW,
-    Motion,
-    NotRelaxed,
-    advance,
-    check_noise,
-    come_to_rest,
-)
+from dem.protocols.relax import CONTINUED_BELOW
+from dem.protocols.relaxation import advance, come_to_rest
 from dem.protocols.resume import check_resumable, mean_diameter, origin, recorded_ratio, rescaled
 from dem.scene import LARGEST_DELTA, Scene
 from dem.settings import Settings
@@ -147,12 +144,13 @@ def _state(packing: Packing, scene: Scene) -> State:
 def _sweep(
     state: State, p: float, scene: Scene, settings: Settings, progress: bool | None
 ) -> None:
-    motion = Motion.of(scene, settings, state.radii)
+    plan = Plan.of(scene, settings, state.radii)
+    simulation = plan.simulation(state, settings)
     target, where = scene.pressure, f"Δ = {scene.delta:g}: "
     with PressureBar(f"Δ={p:.0e} → {target:.0e}", p, target, progress) as bar:
         while p != target:
-            change = exp(RATE * STRIDE * motion.dt * sqrt(p))
+            change = exp(RATE * STRIDE * plan.dt * sqrt(p))
             p = min(p * change, target) if p < target else max(p / change, target)
-            drive = Drive(settings.drag * sqrt(p), p)
-            advance(state, motion, drive, STRIDE, settings, where)
+            simulation.drive = Drive(settings.drag * sqrt(p), p)
+            advance(simulation, STRIDE, where)
             bar.show(p)

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from dem.motion.rectangle import sides_of
 from dem.scene import Scene
 from packing.arguments.numbers import positive_number
 from packing.record import Packing
@@ -28,10 +29,7 @@ def check_resumable(packing: Packing, what: str) -> None:
     """ValueError for a packing that ``what`` ("a ramp") cannot take up, saying why."""
     if packing.cell is None:
         raise ValueError(f"{what} is for periodic packings; this one has no cell")
-    if packing.cell[0, 1] or packing.cell[1, 0] or np.diag(packing.cell).min() <= 0:
-        raise ValueError(
-            f"cell {packing.cell.tolist()} is not a rectangle of positive sides: {what} needs one"
-        )
+    sides_of(packing.cell, f": {what} needs one")
     if loaded := np.flatnonzero(packing.external.any(axis=1)).tolist():
         raise ValueError(f"grain {loaded[0]} bears an external load; {what} knows none")
 

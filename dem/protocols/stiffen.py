@@ -25,15 +25,16 @@ import numpy as np
 from scipy.sparse import csc_array, eye_array
 from scipy.sparse.linalg import splu
 
-from dem.balance.forces_at_rest import backbone, fewest_contacts
-from dem.balance.high_precision import Place, PreciseEquilibrium
+from dem.balance.contact_forces import bearing_contacts
+from dem.balance.high_precision import ExtendedEquilibrium, Place
 from dem.balance.missed_contacts import NotRight, refuse_missed_contacts
 from dem.balance.newton import PolishFailed, newton
 from dem.balance.rattlers import ROUNDING, NoRoom, evict, freed
 from dem.balance.tangent import Trial
-from dem.motion.drive import ContactLaw
 from dem.motion.history import History
-from dem.motion.neighbours import Neighbours, find_neighbours
+from dem.motion.law import ContactLaw
+from dem.motion.neighbour_list import Neighbours
+from dem.motion.neighbours import find_neighbours
 from dem.protocols.progress import PressureBar
 from dem.protocols.resume import check_resumable, origin, power_of_two, recorded_ratio, rescaled
 from dem.scene import check_smallest_delta
@@ -153,7 +154,7 @@ def _correct(
     place: Place, near: Neighbours, law: ContactLaw, pressure: float
 ) -> tuple[Place, Trial, int]:
     """The balance at ``pressure``, rattlers off all that they lean on."""
-    balance = PreciseEquilibrium(place, near, law, pressure)
+    balance = ExtendedEquilibrium(place, near, law, pressure)
     trial, spent = newton(balance, FLOOR * pressure, GOOD * pressure)
     after = balance.after(trial.y)
     rounding = ROUNDING * EPS * float(place.sides.high.max() + 1)
@@ -168,7 +169,7 @@ def _predict(
     place: Place, near: Neighbours, law: ContactLaw, trial: Trial, p: float, q: float
 ) -> Place:
     """Overlaps of the force-bearing contacts shrunk by q/p; rattlers out of the way."""
-    balance = PreciseEquilibrium(place, near, law, q)
+    balance = ExtendedEquilibrium(place, near, law, q)
     wanted = trial.normal[trial.bearing] / law.stiffness * (q / p)
     count = balance.count
     grains = np.zeros(count, bool)
@@ -190,8 +191,7 @@ def _predict(
 
 
 def _backbone(near: Neighbours, trial: Trial, law: ContactLaw) -> np.ndarray:
-    count = near.incidence.shape[0]
-    return backbone(near.pairs, trial.bearing, count, fewest_contacts(law))
+    return bearing_contacts(near, trial.bearing, law, near.incidence.shape[0])
 
 
 def _packing(

@@ -14,7 +14,8 @@ from dem.protocols.progress import PressureBar, RestBar
 from packing.progress import bar, hidden
 from tests.conftest import packing
 
-RELAX = sys.modules["dem.protocols.relax"]
+RELAXATION = sys.modules["dem.protocols.relaxation"]
+SETTLING = sys.modules["dem.protocols.settling"]
 
 
 @pytest.mark.parametrize(
@@ -72,7 +73,7 @@ def test_recorded_relaxations_fill_the_bar_at_their_end(capsys):
 def test_a_relaxation_fills_its_bar_at_its_end(monkeypatch, capsys, failures):
     """As the relaxation itself reports it, polishes that fail included."""
     shares, left = [], [failures]
-    polish = RELAX.polish
+    polish = SETTLING.polish
 
     class Recorder(RestBar):
         def show(self, step, speed, pressure_error=0.0):
@@ -89,8 +90,8 @@ def test_a_relaxation_fills_its_bar_at_its_end(monkeypatch, capsys, failures):
             raise PolishFailed("not yet")
         return polish(*arguments)
 
-    monkeypatch.setattr(RELAX, "RestBar", Recorder)
-    monkeypatch.setattr(RELAX, "polish", reluctant)
+    monkeypatch.setattr(RELAXATION, "RestBar", Recorder)
+    monkeypatch.setattr(SETTLING, "polish", reluctant)
     relax(Scene(24, 1e-3), 1, progress=True)
     assert np.all(np.diff(shares) >= 0)
     assert shares[-1] == 1
@@ -106,7 +107,7 @@ def test_a_relaxation_that_fails_does_not_fill_its_bar(monkeypatch, capsys):
             super().__init__(*arguments)
             bars.append(self)
 
-    monkeypatch.setattr(RELAX, "RestBar", Kept)
+    monkeypatch.setattr(RELAXATION, "RestBar", Kept)
     with pytest.raises(NotRelaxed):
         relax(Scene(24, 1e-3), 1, settings=Settings(longest=2.0), progress=True)
     assert bars[0]._bar.n < bars[0]._bar.total

@@ -116,7 +116,7 @@ def test_not_relaxed_travels_between_processes():
     assert (str(came), came.__notes__) == (str(sent), ["from afar"])
     assert (came.speed, came.residual) == (sent.speed, sent.residual)
     assert np.array_equal(came.state.positions, sent.state.positions)
-    assert came.state._near is None
+    assert came.state.reached.near is None
     for state in (sent.state, came.state):
         step(state, ContactLaw(), 0.1, drive=Drive(0.1, 1e-2), steps=20, skin=0.2)
     assert np.abs(came.state.positions - sent.state.positions).max() <= 1e5 * EPS
