@@ -7,12 +7,12 @@ reconstruction; what it hands on is a record of plain arrays, ``Packing``.
 """
 
 from dem.balance.newton import PolishFailed
-from dem.motion.drive import Drive
-from dem.motion.history import History
-from dem.motion.law import ContactLaw
+from dem.model.drive import Drive
+from dem.model.history import History
+from dem.model.law import ContactLaw
 from dem.motion.state import State
 from dem.motion.step import step
-from dem.protocols.ensemble import packing_key, relax_ensemble
+from dem.protocols.ensembles.ensemble import packing_key, relax_ensemble
 from dem.protocols.not_relaxed import NotRelaxed
 from dem.protocols.ramp import ramp
 from dem.protocols.relax import relax

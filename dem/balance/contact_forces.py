@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
 from dem.motion.state import State
 from packing.arguments.arrays import Floats
 from packing.rattlers import backbone, fewest_contacts

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from dem.balance.tangent import Equilibrium
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
-from dem.motion.rectangle import rectangle
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import rectangle
 from dem.motion.state import State
 from packing.arguments.arrays import Floats
 from packing.doubledouble import DoubleDouble, hypot

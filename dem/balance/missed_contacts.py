@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.motion.history import History
-from dem.motion.neighbour_list import Neighbours
+from dem.model.history import History
+from dem.model.neighbour_list import Neighbours
 from dem.motion.neighbours import find_neighbours
 from dem.motion.state import State
 

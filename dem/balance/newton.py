@@ -15,9 +15,9 @@ import numpy as np
 
 from dem.balance.contact_forces import ContactForces
 from dem.balance.tangent import PIN, Equilibrium, Trial
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
-from dem.motion.rectangle import rectangle
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import rectangle
 from dem.motion.state import State
 from packing.arguments.arrays import Floats
 

@@ -12,8 +12,8 @@ from typing import Protocol, Self, TypeVar
 
 import numpy as np
 
-from dem.motion.history import History
-from dem.motion.neighbour_list import Neighbours
+from dem.model.history import History
+from dem.model.neighbour_list import Neighbours
 from dem.motion.neighbours import find_neighbours
 from dem.motion.state import State
 from packing.arguments.arrays import Floats

@@ -26,9 +26,9 @@ from scipy.sparse import coo_array, csc_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
 from dem.balance.contact_forces import bearing_contacts
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
-from dem.motion.rectangle import sides_of
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import sides_of
 from dem.motion.state import State
 from packing.arguments.arrays import Floats
 

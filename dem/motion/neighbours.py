@@ -11,8 +11,8 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from dem.motion.neighbour_list import Neighbours, as_complex
-from dem.motion.rectangle import sides_of
+from dem.model.neighbour_list import Neighbours, as_complex
+from dem.model.rectangle import sides_of
 from dem.motion.state import State
 from packing.arguments.arrays import Floats
 from packing.arguments.arrays import Integers as Ints

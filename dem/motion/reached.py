@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from dem.motion.history import History
+from dem.model.history import History
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
 from dem.motion.kernels.motion import Forces
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
 
 
 @dataclass(frozen=True, eq=False)

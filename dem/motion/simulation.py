@@ -11,16 +11,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from dem.model.drive import Drive
+from dem.model.history import History
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import sides_of
 from dem.motion.backends import check_precision, kernel_of
-from dem.motion.drive import Drive
-from dem.motion.history import History
 from dem.motion.kernels.disks_numpy import kick
 from dem.motion.kernels.motion import Forces, Motion
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
 from dem.motion.neighbours import find_neighbours
 from dem.motion.reached import Reached
-from dem.motion.rectangle import sides_of
 from dem.motion.single_precision import check_single
 from dem.motion.state import State
 from dem.motion.views import motion_of, write_back

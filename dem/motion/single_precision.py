@@ -6,8 +6,8 @@ scalars, stays in float64.  Gaps are then good to 6e-8 of a diameter.
 
 from __future__ import annotations
 
-from dem.motion.drive import Drive
-from dem.motion.law import ContactLaw
+from dem.model.drive import Drive
+from dem.model.law import ContactLaw
 
 #: κ, k_t, μ, c_n and the drag are this far from the ends of float32, at 1e38, so that their
 #: products with overlaps and speeds are numbers.

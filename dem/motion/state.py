@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from dem.motion.history import History
+from dem.model.history import History
+from dem.model.rectangle import sides_of
 from dem.motion.reached import Reached
-from dem.motion.rectangle import sides_of
 from packing.arguments.arrays import Floats, real_array
 from packing.arguments.numbers import finite_number, instance
 

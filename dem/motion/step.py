@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dem.motion.drive import Drive
-from dem.motion.law import ContactLaw
+from dem.model.drive import Drive
+from dem.model.law import ContactLaw
 from dem.motion.simulation import Simulation
 from dem.motion.state import State
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import rectangle
 from dem.motion.kernels.motion import Motion
-from dem.motion.neighbour_list import Neighbours
-from dem.motion.rectangle import rectangle
 from dem.motion.state import FURTHEST, State
 
 

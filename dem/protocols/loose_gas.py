@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from dem.motion.neighbour_list import Neighbours
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import rectangle
 from dem.motion.neighbours import find_neighbours
-from dem.motion.rectangle import rectangle
 from dem.motion.state import State
 from dem.scene import LOOSE_FRACTION, NARROWEST_START, Scene
 from packing.arguments.arrays import Floats

@@ -11,9 +11,9 @@ from math import ceil, sqrt
 
 import numpy as np
 
+from dem.model.drive import Drive
+from dem.model.law import ContactLaw, stable_time_step
 from dem.motion.backends import kernel_of
-from dem.motion.drive import Drive
-from dem.motion.law import ContactLaw, stable_time_step
 from dem.motion.simulation import MOST_STEPS, Simulation
 from dem.motion.single_precision import check_single
 from dem.motion.state import State

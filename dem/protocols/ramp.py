@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from dem.motion.drive import Drive
-from dem.motion.history import History
+from dem.model.drive import Drive
+from dem.model.history import History
 from dem.motion.state import State
 from dem.protocols.not_relaxed import NotRelaxed
 from dem.protocols.plan import Plan, check_noise

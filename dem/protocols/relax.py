@@ -10,7 +10,7 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from dem.balance.newton import PolishFailed
-from dem.motion.history import History
+from dem.model.history import History
 from dem.motion.state import State
 from dem.protocols.loose_gas import draw_radii, loose_state
 from dem.protocols.not_relaxed import NotRelaxed

@@ -14,9 +14,9 @@ import numpy as np
 from dem.balance.contact_forces import ContactForces
 from dem.balance.missed_contacts import NotRight
 from dem.balance.newton import PolishFailed
+from dem.model.drive import Drive
+from dem.model.neighbour_list import Neighbours
 from dem.motion.backends import resolve_backend
-from dem.motion.drive import Drive
-from dem.motion.neighbour_list import Neighbours
 from dem.motion.simulation import Simulation
 from dem.motion.state import State
 from dem.protocols.not_relaxed import NotRelaxed

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from dem.motion.rectangle import sides_of
+from dem.model.rectangle import sides_of
 from dem.scene import Scene
 from packing.arguments.numbers import positive_number
 from packing.record import Packing

@@ -6,7 +6,7 @@ from dem.balance.contact_forces import ContactForces, forces_as_integrated
 from dem.balance.missed_contacts import NotRight, refuse_missed_contacts
 from dem.balance.newton import PolishFailed, polish
 from dem.balance.rattlers import NoRoom, free_rattlers
-from dem.motion.neighbour_list import Neighbours
+from dem.model.neighbour_list import Neighbours
 from dem.motion.simulation import Simulation
 from dem.scene import Scene
 from dem.settings import Settings

@@ -31,9 +31,9 @@ from dem.balance.missed_contacts import NotRight, refuse_missed_contacts
 from dem.balance.newton import PolishFailed, newton
 from dem.balance.rattlers import ROUNDING, NoRoom, evict, freed
 from dem.balance.tangent import Trial
-from dem.motion.history import History
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
+from dem.model.history import History
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
 from dem.motion.neighbours import find_neighbours
 from dem.protocols.progress import PressureBar
 from dem.protocols.resume import check_resumable, origin, power_of_two, recorded_ratio, rescaled

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from dem.motion.drive import Drive
+from dem.model.drive import Drive
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
 from dem.motion.kernels.motion import Forces, Motion
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
 
 
 def _forces(z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, dt, pull, twist):  # type: ignore[no-untyped-def]

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from dem.motion.drive import Drive
+from dem.model.drive import Drive
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
 from dem.motion.kernels.motion import Forces, Motion
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
 from packing.arguments.arrays import Floats
 
 #: Pairs treated at a time.  What lies between positions and forces stays in the cache, and each

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from dem.motion.drive import Drive
+from dem.model.drive import Drive
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
 from dem.motion.kernels.motion import Forces, Motion
-from dem.motion.law import ContactLaw
-from dem.motion.neighbour_list import Neighbours
 
 
 class Kernel(Protocol):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dem import ContactLaw, Drive, History, State, step
-from dem.motion.law import stable_time_step
+from dem.model.law import stable_time_step
 from tests.dem.gases import dense_gas, pressed
 
 EPS = np.finfo(float).eps

@@ -26,7 +26,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import dem.protocols.ensemble as ensemble
+import dem.protocols.ensembles.ensemble as ensemble
 from dem import NotRelaxed, Packing, Scene, Settings, packing_key, relax, relax_ensemble
 from packing.files.npz import write_record
 

@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 
-import dem.protocols.ensemble as ensemble
+import dem.protocols.ensembles.ensemble as ensemble
 from dem import (
     NotRelaxed,
     Packing,

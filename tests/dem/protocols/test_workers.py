@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-import dem.protocols.workers as workers
-from dem.protocols.workers import Watched
+import dem.protocols.ensembles.workers as workers
+from dem.protocols.ensembles.workers import Watched
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="kills processes by signals")
 
@@ -25,7 +25,7 @@ import ctypes, multiprocessing, os, sys, threading, time
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
-import dem.protocols.ensemble as ensemble, dem.protocols.run as run
+import dem.protocols.ensembles.ensemble as ensemble, dem.protocols.ensembles.run as run
 from dem import Scene, relax_ensemble
 
 method, work, folder = sys.argv[1:]

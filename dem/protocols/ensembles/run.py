@@ -13,8 +13,8 @@ from functools import partial
 
 from tqdm.auto import tqdm
 
-from dem.protocols.store import Store
-from dem.protocols.workers import Watched, hiring
+from dem.protocols.ensembles.store import Store
+from dem.protocols.ensembles.workers import Watched, hiring
 from dem.scene import Scene
 from packing.arguments.numbers import instance, shown
 from packing.record import Packing

@@ -20,9 +20,9 @@ from typing import Any
 from tqdm.auto import tqdm
 
 from dem.motion.backends import resolve_backend
+from dem.protocols.ensembles.run import Run, Task
+from dem.protocols.ensembles.store import Store
 from dem.protocols.relax import CONTINUED_BELOW, relax
-from dem.protocols.run import Run, Task
-from dem.protocols.store import Store
 from dem.scene import Scene
 from dem.settings import Settings
 from packing.arguments.numbers import flag, instance, seed_number, shown

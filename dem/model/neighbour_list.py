@@ -17,7 +17,7 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_array
 
-from dem.motion.history import History
+from dem.model.history import History
 from packing.arguments.arrays import Floats
 from packing.arguments.arrays import Integers as Ints
 
