@@ -135,8 +135,7 @@ class _Clocked(Executor):
 def _clock(fn: Any, args: Any, kwargs: Any) -> Packing:
     begin = time.perf_counter()
     packing = fn(*args, **kwargs)
-    packing.info["wall"] = time.perf_counter() - begin
-    return packing
+    return packing.noted(wall=time.perf_counter() - begin)
 
 
 def efficiency(
@@ -161,7 +160,7 @@ def efficiency(
                 )
                 spent.append(time.perf_counter() - begin)
             gain.append(spent[0] / (workers * spent[1]))
-            busy.append(sum(p.info["wall"] for p in made) / (workers * spent[1]))
+            busy.append(sum(p.provenance.notes["wall"] for p in made) / (workers * spent[1]))
     return gain, busy
 
 

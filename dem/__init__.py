@@ -12,7 +12,8 @@ from dem.model.history import History
 from dem.model.law import ContactLaw
 from dem.motion.state import State
 from dem.motion.step import step
-from dem.protocols.ensembles.ensemble import packing_key, relax_ensemble
+from dem.protocols.ensembles.ensemble import relax_ensemble
+from dem.protocols.ensembles.key import packing_key
 from dem.protocols.not_relaxed import NotRelaxed
 from dem.protocols.ramp import ramp
 from dem.protocols.relax import relax

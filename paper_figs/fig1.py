@@ -101,6 +101,6 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the metadata say."""
     return provenance(
         figure="1", edition=edition.name, grains=edition.grains, noise_seed=SEED,
-        packing_seeds=[p.info["seed"] for p in packings], noise="diameter",
+        packing_seeds=[p.provenance.seed for p in packings], noise="diameter",
         error_bars="standard deviation over packings and noise draws",
     )  # fmt: skip

@@ -77,6 +77,6 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the metadata say."""
     return provenance(
         figure="2", edition=edition.name, grains=edition.grains,
-        packing_seeds=[p.info["seed"] for p in packings],
+        packing_seeds=[p.provenance.seed for p in packings],
         error_bars="standard deviation over packings",
     )  # fmt: skip

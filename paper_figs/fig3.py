@@ -97,5 +97,5 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     packing = choose(packings)
     return provenance(
         figure="3", edition=edition.name, grains=edition.grains, delta=DELTA,
-        packing_seed=packing.info["seed"], noise_seed=SEED, noise="diameter",
+        packing_seed=packing.provenance.seed, noise_seed=SEED, noise="diameter",
     )  # fmt: skip

@@ -74,5 +74,5 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     packing = choose(packings)
     return provenance(
         figure="6", edition=edition.name, grains=edition.grains, delta=DELTA, method="gppsz",
-        packing_seed=packing.info["seed"], noise="diameter",
+        packing_seed=packing.provenance.seed, noise="diameter",
     )  # fmt: skip

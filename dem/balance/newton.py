@@ -52,7 +52,7 @@ def polish(
     floor = 10 * balance.stiffness * np.finfo(float).eps
     kept, iterations = newton(balance, floor, max(tolerance * pressure, 100 * floor))
     forces, y = _carry(balance, kept, pressure, iterations)
-    _store(state, balance, y, forces)
+    store(state, balance, y, forces)
     return forces
 
 
@@ -101,7 +101,7 @@ def _carry(
     Contacts that would have to pull are opened, and the rest carried on without them.
     """
     for _ in range(OPENINGS):
-        normal, tangential, moves = _increments(balance, trial)
+        normal, tangential, moves = increments(balance, trial)
         overlaps = balance.branches(moves)[1]
         lag = np.abs(normal - balance.law.force(overlaps))[trial.bearing].max(initial=0.0)
         if lag > LAG * balance.stiffness * np.finfo(float).eps * balance.near.sides.max():
@@ -115,7 +115,7 @@ def _carry(
     raise PolishFailed(f"{int(pulls.sum())} contacts would have to pull")
 
 
-def _increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Floats]:
+def increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Floats]:
     """Normal and tangential forces, refined on the tangent at ``trial``, and the moves."""
     on_normal, on_slip, slides = balance.response(trial)
     normal, tangential = trial.normal, trial.tangential
@@ -133,7 +133,8 @@ def _increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Flo
     return normal, tangential, moves
 
 
-def _store(state: State, balance: Equilibrium, y: Floats, forces: ContactForces) -> None:
+def store(state: State, balance: Equilibrium, y: Floats, forces: ContactForces) -> None:
+    """Positions, cell and history of ``state`` after the moves ``y``."""
     near = balance.near
     z = state.positions.view(complex)[:, 0] * balance.stretch(y) + balance.displacement(y)
     state.positions = np.column_stack([z.real, z.imag])

@@ -51,11 +51,9 @@ class Plan:
     def of(cls, scene: Scene, settings: Settings, radii: Floats) -> Plan:
         """ValueError when there would be too many steps, or constants beyond float32."""
         inertial = 1 / sqrt(scene.pressure)
-        law = ContactLaw(
-            stiffness_ratio=scene.stiffness_ratio,
-            friction=scene.friction,
-            dashpot=settings.dashpot * sqrt(float(np.pi * np.mean(radii) ** 2)),
-        )
+        stiffness = scene.pressure / scene.delta
+        dashpot = settings.dashpot * sqrt(float(np.pi * np.mean(radii) ** 2) * stiffness)
+        law = ContactLaw(friction=scene.friction, dashpot=dashpot, contact=scene.law)
         drive = Drive(drag=settings.drag / inertial, pressure=scene.pressure)
         if settings.precision == "float32":
             check_single(law, drive)

@@ -126,15 +126,13 @@ def _stage(
     scene = Scene(
         len(packing.radii), delta, friction=packing.friction, stiffness_ratio=ratio
     )  # what acts from here on; what the grains were drawn from stays on record
-    state = _state(packing, scene)
+    state = state_of(packing, scene)
     _sweep(state, packing.delta, scene, settings, progress)
-    new = come_to_rest(state, scene, packing.info.get("seed"), settings, progress)
-    del new.info["scene"]
-    new.info.update(origin(packing, delta, ratio), ramp={"from": packing.delta})
-    return new
+    new = come_to_rest(state, scene, packing.provenance.seed, settings, progress)
+    return new.noted(**origin(packing, delta, ratio), ramp={"from": packing.delta})
 
 
-def _state(packing: Packing, scene: Scene) -> State:
+def state_of(packing: Packing, scene: Scene) -> State:
     """Grains at rest, with the springs that the tangential forces stretch."""
     elongations = packing.tangential_forces / scene.stiffness_ratio
     history = History(packing.pairs, packing.images, elongations)

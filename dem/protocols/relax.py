@@ -5,7 +5,7 @@ Below Δ = 1e-6 the packing of 1e-6 is continued to Δ by Newton's method alone 
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -61,7 +61,8 @@ def relax(
     ValueError
         Before any work: a scene whose cell is too narrow for its grains; a seed that is no whole
         number >= 0; float32 with Δ < 1e-4; more than 1e8 time steps to the end of
-        ``settings.longest``.
+        ``settings.longest``; a contact law that is not linear with Δ < 1e-6, float32 or a
+        compiled kernel.
     NotRelaxed
         Rest was not reached within ``settings.longest`` inertial times; continuation to Δ < 1e-6
         stopped on the way, from each start.
@@ -95,10 +96,14 @@ def _integrated(scene: Scene, seed: int, settings: Settings, progress: bool | No
 
 
 def _continued(scene: Scene, seed: int, settings: Settings, progress: bool | None) -> Packing:
+    if not scene.is_linear:
+        raise ValueError(
+            f"contact = {scene.contact!r}: packings with delta = {scene.delta:g}, below "
+            f"{CONTINUED_BELOW:g}, are continued, and that knows linear springs only"
+        )
     for delta in (d for d in CONTINUED_FROM if d > scene.delta):
         softer = replace(scene, delta=delta)
         packing = _integrated(softer, seed, settings, progress)
-        packing.info["scene"] = asdict(scene)
         try:
             return stiffen(packing, scene.delta, progress=progress)
         except PolishFailed as failure:
@@ -106,6 +111,7 @@ def _continued(scene: Scene, seed: int, settings: Settings, progress: bool | Non
     springs = reached.tangential_forces / scene.stiffness_ratio
     history = History(reached.pairs, reached.images, springs)
     state = State(reached.positions, reached.radii, cell=reached.cell, history=history)
-    raise NotRelaxed(
-        f"{named(scene, seed)}{why}", state, reached.info["speed"], reached.info["residual"]
-    ) from why
+    speed, residual = reached.provenance.speed, reached.provenance.residual
+    assert speed is not None
+    assert residual is not None
+    raise NotRelaxed(f"{named(scene, seed)}{why}", state, speed, residual) from why

@@ -7,8 +7,6 @@ leaving its last contacts), integration goes on with half the drag and it is tri
 
 from __future__ import annotations
 
-from dataclasses import asdict
-
 import numpy as np
 
 from dem.balance.contact_forces import ContactForces
@@ -21,10 +19,11 @@ from dem.motion.simulation import Simulation
 from dem.motion.state import State
 from dem.protocols.not_relaxed import NotRelaxed
 from dem.protocols.plan import Plan
-from dem.protocols.progress import RestBar
+from dem.protocols.progress import RelaxationBar
 from dem.protocols.settling import settle
 from dem.scene import Scene
 from dem.settings import Settings
+from packing.provenance import Provenance
 from packing.record import Packing
 from packing.version import __version__
 
@@ -49,7 +48,7 @@ def come_to_rest(
     """
     relaxation = _Relaxation(state, scene, seed, settings)
     limit = relaxation.plan.limit
-    with RestBar(scene.delta, settings.speed, limit, progress, PRESSURE_TOLERANCE) as bar:
+    with RelaxationBar(scene.delta, settings.speed, limit, progress, PRESSURE_TOLERANCE) as bar:
         while relaxation.steps < limit:
             relaxation.compress(bar)
             if not relaxation.rests():
@@ -89,7 +88,7 @@ class _Relaxation:
         self.steps, self.speed, self.pressure_error = 0, np.inf, np.inf
         self.target, self.again, self.why = settings.speed, 0, ""
 
-    def compress(self, bar: RestBar) -> None:
+    def compress(self, bar: RelaxationBar) -> None:
         """A stride of time steps, and a look."""
         advance(self.simulation, STRIDE, self.where)
         self.steps += STRIDE
@@ -119,7 +118,7 @@ class _Relaxation:
             )  # fmt: skip
         return found
 
-    def go_on(self, failure: PolishFailed, bar: RestBar) -> None:
+    def go_on(self, failure: PolishFailed, bar: RelaxationBar) -> None:
         """Integration continues, less dragged; the next polish is tried later, or slower."""
         self.target, self.why = self.speed / 10, f" ({failure})"
         self.again = self.steps + int(RETRY * self.plan.inertial / self.plan.dt)
@@ -165,20 +164,20 @@ class _Relaxation:
             normal_forces=forces.normal[bearing],
             tangential_forces=forces.tangential[bearing],
             external=np.zeros((scene.grains, 3)),
-            stiffness=1.0,
+            stiffness=scene.pressure / scene.delta,
             pressure=scene.pressure,
             friction=scene.friction,
-            info={
-                "scene": asdict(scene),
-                **({} if self.seed is None else {"seed": self.seed}),
-                "settings": asdict(settings),
-                "backend": resolve_backend(settings.backend),
-                "newton": forces.iterations,
-                "versions": {"numpy": np.__version__, "packing-forces": __version__},
-                "steps": self.steps,
-                "speed": self.speed,
-                "inertial_times": self.steps * self.plan.dt / self.plan.inertial,
-            },
+            stiffness_ratio=scene.stiffness_ratio if scene.is_linear else None,
+            provenance=Provenance(
+                scene=scene.plain(),
+                seed=self.seed,
+                settings=settings.plain(),
+                backend=resolve_backend(settings.backend),
+                versions={"numpy": np.__version__, "packing-forces": __version__},
+                steps=self.steps,
+                inertial_times=self.steps * self.plan.dt / self.plan.inertial,
+                speed=self.speed,
+                newton=forces.iterations,
+            ),
         )
-        packing.info["residual"] = float(packing.residuals().max())
-        return packing
+        return packing.noted(residual=float(packing.residuals().max()))

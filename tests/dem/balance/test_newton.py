@@ -175,7 +175,7 @@ def test_a_contact_that_would_pull_is_opened(monkeypatch):
     """The weakest contact is made to pull at the end: it is opened, and bears nothing.  On the
     tangent the others balance without it, to round-off in at least three of six packings (in 13
     of 14; the others lose a second contact).  Left in, the control, the polish fails."""
-    increments, without, opened = polish_module._increments, Equilibrium.without, []
+    increments, without, opened = polish_module.increments, Equilibrium.without, []
 
     def pulling(balance, trial):
         normal, tangential, moves = increments(balance, trial)
@@ -192,8 +192,8 @@ def test_a_contact_that_would_pull_is_opened(monkeypatch):
         raise Stored(rest)
 
     monkeypatch.setattr(polish_module, "LAG", np.inf)  # it would find the pull made up
-    monkeypatch.setattr(polish_module, "_increments", pulling)
-    monkeypatch.setattr(polish_module, "_store", store)
+    monkeypatch.setattr(polish_module, "increments", pulling)
+    monkeypatch.setattr(polish_module, "store", store)
     monkeypatch.setattr(Equilibrium, "without", remember)
     residuals = []
     for seed in range(1, 7):

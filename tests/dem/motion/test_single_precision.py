@@ -103,7 +103,7 @@ def test_relaxed_in_float32_and_polished_it_balances_like_any_other(backend, del
     residual, spring = balance(p)
     assert residual <= 1e-9
     assert spring <= 100
-    assert p.info["settings"]["precision"] == "float32"
+    assert p.provenance.settings["precision"] == "float32"
 
 
 def test_float32_is_refused_for_stiff_grains():
@@ -127,13 +127,13 @@ def test_beyond_the_limit_nothing_comes_to_rest(monkeypatch):
 def test_numbers_of_numpy_do_not_widen_float32(monkeypatch):
     """A pressure or drag of type float64 leaves the grains in float32."""
     kernel, seen = sys.modules["dem.motion.kernels.disks_numpy"], set()
-    real = kernel._pair_forces
+    real = kernel.contact_forces
 
     def spy(motion, near, *args):
         seen.add((motion.z[near.columns[0]] + near.shift * motion.scale).dtype)
         return real(motion, near, *args)
 
-    monkeypatch.setattr(kernel, "_pair_forces", spy)
+    monkeypatch.setattr(kernel, "contact_forces", spy)
     drive = Drive(np.float64(0.1), np.float64(1e-2))
     step(
         dense_gas(), ContactLaw(), 0.05, drive=drive, steps=5,

@@ -43,7 +43,7 @@ def test_stored_forces_balance_and_obey_the_contact_law(delta, friction):
     residual, spring = balance(p)
     assert residual <= 1e-9
     assert spring <= 10
-    assert p.info["residual"] == pytest.approx(residual, rel=1, abs=1e-13)
+    assert p.provenance.residual == pytest.approx(residual, rel=1, abs=1e-13)
     assert p.normal_forces.min() > 0
     cap = friction * p.normal_forces
     assert np.all(np.abs(p.tangential_forces) <= cap + 1e-9 * p.pressure)
@@ -66,9 +66,9 @@ def test_polish_moves_a_packing_no_further_than_rest_does():
     delta = 1e-3
     polished = packing(delta=delta, seed=2)
     rested = packing(delta=delta, seed=2, polish=False)
-    assert rested.info["speed"] < 1e-8
-    assert rested.info["residual"] < 1e-4
-    assert polished.info["steps"] < rested.info["steps"]
+    assert rested.provenance.speed < 1e-8
+    assert rested.provenance.residual < 1e-4
+    assert polished.provenance.steps < rested.provenance.steps
     assert np.array_equal(polished.pairs, rested.pairs)
     assert np.abs(polished.forces - rested.forces).max() < 1e-3 * delta
 

@@ -135,7 +135,7 @@ def test_unwatched_workers_are_orphans(tmp_path):
 
 
 def watched() -> tuple[int, int] | None:
-    return workers._watching
+    return workers.watching
 
 
 @pytest.fixture(scope="module")
@@ -167,7 +167,7 @@ def test_a_pool_outlives_the_thread_that_used_it(pool):
     with ThreadPoolExecutor(1) as threads, ProcessPoolExecutor(1) as forked:
         worker = threads.submit(lambda: forked.submit(Watched(os.getpid)).result()).result()
         threads.shutdown()
-        time.sleep(2 * workers._PERIOD)
+        time.sleep(2 * workers.PERIOD)
         assert forked.submit(Watched(os.getpid)).result() == worker
 
 

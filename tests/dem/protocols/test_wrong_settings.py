@@ -48,9 +48,9 @@ def test_default_time_step_cuts_the_steps_by_three_and_keeps_the_statistics():
         [relax(scene, s, settings=settings, progress=False) for s in seeds]
         for settings in (Settings(time_step=0.2), Settings())
     )
-    steps = [np.median([p.info["steps"] for p in some]) for some in (usual, quick)]
+    steps = [np.median([p.provenance.steps for p in some]) for some in (usual, quick)]
     assert steps[0] / steps[1] > 2.5
-    assert max(p.info["residual"] for p in quick) <= 1e-9
+    assert max(p.provenance.residual for p in quick) <= 1e-9
     measures = (
         lambda p: p.coordination,
         lambda p: p.solid_fraction,
