@@ -18,7 +18,7 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from io import StringIO
 from itertools import count
 from pathlib import Path
@@ -276,9 +276,32 @@ def test_key_is_that_of_the_present_algorithm(monkeypatch):
     what ``relax`` returns must change the number, and with it the names of stored packings."""
     scene, plain = Scene(48, 1e-3), Settings(backend="numpy")
     assert key.ALGORITHM == 6
-    assert packing_key(scene, 1, plain) == "1e2ff841a108252ba7fc8889"
+    assert packing_key(scene, 1, plain) == "fd93b401f4b4b14a945b3a39"
     monkeypatch.setattr(key, "ALGORITHM", 5)
-    assert packing_key(scene, 1, plain) != "1e2ff841a108252ba7fc8889"
+    assert packing_key(scene, 1, plain) != "fd93b401f4b4b14a945b3a39"
+
+
+def test_a_new_field_at_its_default_empties_no_store():
+    """Keys know what differs from the defaults; that these are what they were when the number of
+    the algorithm was last raised is seen here."""
+
+    @dataclass(frozen=True)
+    class Sheared(Scene):
+        shear: float = 0.0
+
+    assert packing_key(Sheared(24, 1e-2), 1, SETTINGS) == packing_key(SCENES[0], 1, SETTINGS)
+    assert packing_key(Sheared(24, 1e-2, shear=0.1), 1, SETTINGS) != packing_key(
+        SCENES[0], 1, SETTINGS
+    )
+    default = {f.name: f.default for record in (Scene, Settings) for f in fields(record)[2:]}
+    assert key.ALGORITHM == 6
+    assert default == {
+        "friction": 0.3, "polydispersity": 0.3, "stiffness_ratio": 0.5, "aspect": 1.0,
+        "contact": "linear", "boundary": "periodic", "dashpot": 0.0, "velocity_tolerance": None,
+        "residual_tolerance": 1e-9, "skin": 0.2, "polish": True, "longest": 3000.0,
+        "backend": "auto", "precision": "float64",
+    }  # fmt: skip
+    assert (Settings().time_step, Settings().drag) == (0.8, 1.0)
 
 
 def test_settings_of_equal_value_have_one_key():
@@ -443,12 +466,12 @@ def test_odd_keys_are_refused(odd, message):
 @pytest.mark.parametrize(
     ("scene", "seed", "settings", "key"),
     [
-        (Scene(48, 1e-8), 3, {}, "5499d316469304c8c3ca968e"),
-        (Scene(24, 1e-2, friction=0.0), 2**70, {"polish": False}, "5ddfe5fc8f75e26340e663dd"),
+        (Scene(48, 1e-8), 3, {}, "441ab94f14e748a272197503"),
+        (Scene(24, 1e-2, friction=0.0), 2**70, {"polish": False}, "71103ce38f02dc0f032c8dd7"),
     ],
 )
 def test_keys_outlive_the_format_of_the_file(scene, seed, settings, key):
-    """As when files were of format 1: what was stored then is found now."""
+    """As when files were of format 4: what was stored then is found now."""
     assert packing_key(scene, seed, Settings(backend="numpy", **settings)) == key
 
 
