@@ -102,7 +102,7 @@ def ours(packing: Packing, backend: str, pressure_control: bool) -> Callable[[],
         return (time.perf_counter() - start) / steps * 1e6
 
     run(10)
-    run.pairs = len(state._near.pairs)  # type: ignore[attr-defined]
+    run.pairs = len(state.reached.near.pairs)  # type: ignore[attr-defined]
     return run
 
 

@@ -41,7 +41,7 @@ def measure(grains: int, seed: int) -> tuple[Any, ...]:
     with patch.object(module, "polish", timed):
         p = relax(Scene(grains, DELTA), seed, progress=False)
     seconds = time.process_time() - begin
-    return grains, seed, p.info["steps"], len(spent), sum(spent), seconds - sum(spent)
+    return grains, seed, p.provenance.steps, len(spent), sum(spent), seconds - sum(spent)
 
 
 def compute(sizes: Iterable[int], seeds: Iterable[int]) -> np.ndarray:

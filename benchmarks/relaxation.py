@@ -69,7 +69,7 @@ def measure(task: tuple[str, float, int, int]) -> tuple[Any, ...]:
     spent = time.process_time() - start
     spread = p.normal_forces.std() / p.normal_forces.mean()
     return (
-        how, delta, seed, p.info["steps"], spent, p.info["residual"], p.coordination,
+        how, delta, seed, p.provenance.steps, spent, p.provenance.residual, p.coordination,
         p.solid_fraction, spread,
     )  # fmt: skip
 

@@ -21,7 +21,7 @@ from scipy.sparse.linalg import lsmr
 
 from benchmarks.tiling import tiled
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
-from dem.motion.step import PRECISIONS
+from dem.motion.backends import PRECISIONS
 from scaling import force_equation
 from studies.error_bars import spread
 

@@ -20,7 +20,8 @@ from importlib.util import find_spec
 import numpy as np
 
 from dem import ContactLaw, Drive, History, Packing, Scene, State, relax, step
-from dem.motion.kernels.disks_numpy import Motion, contact_forces, kick
+from dem.motion.kernels.disks_numpy import contact_forces, kick
+from dem.motion.kernels.motion import Motion
 from dem.motion.neighbours import find_neighbours
 from studies.command_line import counts
 from studies.error_bars import spread

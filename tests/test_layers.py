@@ -22,6 +22,7 @@ PLAN = (
     "packing.contact_law",
     "packing.files",
     "packing",
+    "dem.model",
     "dem.motion.kernels",
     "dem.motion",
     "dem.balance",

@@ -177,7 +177,7 @@ def text(table: np.ndarray) -> str:
 
 def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the table says of itself."""
-    seeds = [p.info["seed"] for group in chosen(packings, edition) for p in group]
+    seeds = [p.provenance.seed for group in chosen(packings, edition) for p in group]
     return {
         "figure": "4", "grains": edition.grains, "noise_seed": SEED,
         "packing_seeds": seeds, "xi_max": LARGEST_XI,

@@ -33,7 +33,7 @@ def compute(packings: Iterable[Packing]) -> np.ndarray:
             for method in ("gppsz", "direct")
         ]
         gap = np.abs(p.normal_forces - p.stiffness * p.overlaps).max() / p.pressure
-        rows.append((p.delta, p.info["seed"], p.residuals().max(), gap, *errors))
+        rows.append((p.delta, p.provenance.seed, p.residuals().max(), gap, *errors))
     return np.array(rows, TABLE)
 
 

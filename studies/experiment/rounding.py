@@ -66,7 +66,7 @@ def compute(packings: Iterable[Packing], kinds: Iterable[str] = KINDS) -> np.nda
             predicted = float(np.hypot(C_x * xis[0], C_R * xis[1])) / p.delta
             xi = predicted * p.delta / float(np.hypot(C_x, C_R))
             rows.append((
-                p.delta, p.info["seed"], kind, xi, xi / p.delta,
+                p.delta, p.provenance.seed, kind, xi, xi / p.delta,
                 relative_error(found, p), predicted,
             ))  # fmt: skip
     return np.array(rows, TABLE)

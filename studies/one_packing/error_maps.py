@@ -42,5 +42,5 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     packing = choose(packings)
     return {
         "figure": "6", "grains": edition.grains, "delta": DELTA, "method": "gppsz",
-        "packing_seed": packing.info["seed"], "noise": "diameter",
+        "packing_seed": packing.provenance.seed, "noise": "diameter",
     }  # fmt: skip

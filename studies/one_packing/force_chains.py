@@ -42,5 +42,5 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the table says of itself."""
     return {
         "figure": "3", "grains": edition.grains, "delta": DELTA, "noise": "diameter",
-        "packing_seed": choose(packings).info["seed"], "noise_seed": SEED, "ratios": RATIOS,
+        "packing_seed": choose(packings).provenance.seed, "noise_seed": SEED, "ratios": RATIOS,
     }  # fmt: skip

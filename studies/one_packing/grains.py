@@ -33,5 +33,5 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the table says of itself."""
     return {
         "figure": "3 and 6", "grains": edition.grains, "delta": DELTA,
-        "packing_seed": choose(packings).info["seed"],
+        "packing_seed": choose(packings).provenance.seed,
     }  # fmt: skip

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from dem import NotRelaxed, Scene, Settings, relax
-from dem.motion.step import PRECISIONS
+from dem.motion.backends import PRECISIONS
 from scaling import ContactNetwork, reconstruct, relative_error
 from studies.error_bars import spread
 
@@ -62,7 +62,7 @@ def measure(task: tuple[str, dict[str, Any], float, int, int]) -> tuple[Any, ...
     error = relative_error(found, p)
     spread = p.normal_forces.std() / p.normal_forces.mean()
     return (
-        knob, label, delta, seed, p.info["steps"], spent, p.info["residual"], error,
+        knob, label, delta, seed, p.provenance.steps, spent, p.provenance.residual, error,
         p.coordination, p.solid_fraction, spread, True,
     )  # fmt: skip
 

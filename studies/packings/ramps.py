@@ -49,7 +49,7 @@ def measure(task: tuple[int, float, int]) -> list[tuple[Any, ...]]:
         rows.append((
             friction, k, p.delta, seed, p.coordination, p.solid_fraction, kept,
             relative_error(found, p),
-            other.coordination, other.solid_fraction, p.info["steps"],
+            other.coordination, other.solid_fraction, p.provenance.steps,
         ))  # fmt: skip
     return rows
 

@@ -50,6 +50,6 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the table says of itself."""
     return {
         "figure": "1", "grains": edition.grains, "noise_seed": SEED,
-        "packing_seeds": [p.info["seed"] for p in packings], "noise": "diameter",
+        "packing_seeds": [p.provenance.seed for p in packings], "noise": "diameter",
         "error_bars": "standard deviation over packings and noise draws",
     }  # fmt: skip

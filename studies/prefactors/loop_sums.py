@@ -40,6 +40,6 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the table says of itself."""
     return {
         "figure": "2", "grains": edition.grains,
-        "packing_seeds": [p.info["seed"] for p in packings],
+        "packing_seeds": [p.provenance.seed for p in packings],
         "error_bars": "standard deviation over packings",
     }  # fmt: skip

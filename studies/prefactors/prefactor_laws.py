@@ -53,7 +53,7 @@ def row(p: Packing) -> tuple:
         gains.append(found.estimated_gain(np.random.default_rng(SEED), PROBES))
     K, bars = zip(*gains, strict=True)
     return (
-        p.delta, p.friction, len(network.active), p.info["seed"], network.coordination,
+        p.delta, p.friction, len(network.active), p.provenance.seed, network.coordination,
         equation.hyperstaticity / equation.unknowns, network.faces / network.contacts,
         p.pressure / mean_force(p), *K, *bars,
     )  # fmt: skip
@@ -124,6 +124,6 @@ def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
     """What the table says of itself."""
     return {
         "figure": "5", "grains": edition.grains, "probe_seed": SEED, "probes": PROBES,
-        "packing_seeds": [p.info["seed"] for p in chosen(packings, edition)],
+        "packing_seeds": [p.provenance.seed for p in chosen(packings, edition)],
         "error_bars": "(a, b) standard deviation over packings; (c, d) of the probes' mean",
     }  # fmt: skip

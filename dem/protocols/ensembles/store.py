@@ -7,9 +7,9 @@ than its name says, is named in a warning and counts as missing.
 from __future__ import annotations
 
 import warnings
-from dataclasses import asdict
 from typing import Any
 
+from dem.protocols.ensembles.key import without_defaults
 from dem.scene import Scene
 from packing.arguments.numbers import file_path
 from packing.files.npz import naming_path
@@ -45,7 +45,9 @@ class Store:
             return None
         try:
             packing = Packing.load(file)
-            if (packing.info.get("scene"), packing.info.get("seed")) != (asdict(scene), seed):
+            known = packing.provenance
+            told = without_defaults(scene, known.scene or {})
+            if (told, known.seed) != (without_defaults(scene, scene.plain()), seed):
                 raise ValueError(f"{file} holds another scene or seed than its name says")
         except FileNotFoundError:  # removed by somebody else in between
             return None

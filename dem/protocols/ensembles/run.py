@@ -13,8 +13,8 @@ from functools import partial
 
 from tqdm.auto import tqdm
 
-from dem.protocols.store import Store
-from dem.protocols.workers import Watched, hiring
+from dem.protocols.ensembles.store import Store
+from dem.protocols.ensembles.workers import Watched, hiring
 from dem.scene import Scene
 from packing.arguments.numbers import instance, shown
 from packing.record import Packing
@@ -76,7 +76,8 @@ class Run:
                 error.add_note(f"while storing {self._named(k)}")
                 raise
         self.done[k] = packing
-        steps = f", {packing.info['steps']} steps" if "steps" in packing.info else ""
+        made_in = packing.provenance.steps
+        steps = "" if made_in is None else f", {made_in} steps"
         bar.set_postfix_str(f"Δ={self.tasks[k][0].delta:.0e}{steps}")
 
     def _submit(self, executor: Executor, futures: dict[Future, int]) -> Exception | None:

@@ -34,9 +34,9 @@ except ImportError:  # Windows: the thread watches alone
     fcntl = None  # type: ignore[assignment]
 
 #: Seconds between two looks.
-_PERIOD = 0.5
+PERIOD = 0.5
 #: (worker, process watched): a fork of a worker inherits this, but not its thread.
-_watching: tuple[int, int] | None = None
+watching: tuple[int, int] | None = None
 #: Whether this thread is about to start workers.
 _hiring = threading.local()
 
@@ -89,20 +89,25 @@ def _end_with(process: int) -> None:
 
 def _watch(process: int) -> None:
     """Start the thread, once; end at once if it is too late."""
-    global _watching
-    if _watching == (os.getpid(), process):
+    global watching
+    if watching == (os.getpid(), process):
         return
     child = os.getppid() == process
     if not _lives(process, child):
-        os._exit(1)
-    _watching = os.getpid(), process
+        _end()
+    watching = os.getpid(), process
     threading.Thread(target=_look, args=(process, child), daemon=True).start()
 
 
 def _look(process: int, child: bool) -> None:
     while _lives(process, child):
-        time.sleep(_PERIOD)
-    os._exit(1)
+        time.sleep(PERIOD)
+    _end()
+
+
+def _end() -> None:
+    """End this process at once: nothing is left to be tidied up for anybody."""
+    os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
 
 
 def _lives(process: int, child: bool) -> bool:

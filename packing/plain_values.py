@@ -1,4 +1,4 @@
-"""What a packing's ``info`` may hold: plain values that come back from a file as they were.
+"""Plain values: what comes back from a file as it was, without code to make it.
 
 None, True and False, text, finite numbers, lists, and dictionaries whose keys are text: JSON.
 NumPy's numbers become Python's, tuples become lists.
@@ -18,23 +18,26 @@ _DEEPEST = 50
 _LONGEST = 10**4000
 
 
-def plain_notes(info: Any) -> dict[str, Any]:
-    """A copy of ``info``, to the last list in it; ValueError names what no file could hold."""
-    if not isinstance(info, dict):
-        raise ValueError(f"info = {shown(info)} is no dictionary")
-    notes = _plain("info", info, 0)
-    assert isinstance(notes, dict)
-    return notes
+def plain_dictionary(name: str, values: Any) -> dict[str, Any]:
+    """A copy of ``values``, to the last list in it; ValueError names what no file could hold."""
+    if not isinstance(values, dict):
+        raise ValueError(f"{name} = {shown(values)} is no dictionary")
+    plain = plain_value(name, values)
+    assert isinstance(plain, dict)
+    return plain
 
 
-def _plain(name: str, value: Any, depth: int) -> Any:
+def plain_value(name: str, value: Any, depth: int = 0) -> Any:
+    """A copy of ``value``; ValueError names what no file could hold."""
     if depth > _DEEPEST:
-        raise ValueError(f"info is nested deeper than {_DEEPEST} times")
+        raise ValueError(f"{name.partition('[')[0]} is nested deeper than {_DEEPEST} times")
     if isinstance(value, dict):
-        return {_key(name, k): _plain(f"{name}[{k!r}]", v, depth + 1) for k, v in value.items()}
+        return {
+            _key(name, k): plain_value(f"{name}[{k!r}]", v, depth + 1) for k, v in value.items()
+        }
     if isinstance(value, list | tuple):
-        return [_plain(f"{name}[{k}]", v, depth + 1) for k, v in enumerate(value)]
-    return _value(name, value)
+        return [plain_value(f"{name}[{k}]", v, depth + 1) for k, v in enumerate(value)]
+    return _single(name, value)
 
 
 def _key(name: str, key: Any) -> str:
@@ -43,7 +46,7 @@ def _key(name: str, key: Any) -> str:
     return str.__str__(key)
 
 
-def _value(name: str, value: Any) -> Any:
+def _single(name: str, value: Any) -> Any:
     if value is None or isinstance(value, bool | np.bool_):
         return None if value is None else bool(value)
     if isinstance(value, str):
@@ -57,6 +60,6 @@ def _value(name: str, value: Any) -> Any:
             raise ValueError(f"{name} = {float(value)} is not a finite number")
         return float(value)
     raise ValueError(
-        f"{name} = {shown(value)} is a {type(value).__name__}: info holds text, finite numbers, "
-        "True, False, None, lists and dictionaries"
+        f"{name} = {shown(value)} is a {type(value).__name__}: {name.partition('[')[0]} holds "
+        "text, finite numbers, True, False, None, lists and dictionaries"
     )
