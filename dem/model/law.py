@@ -53,6 +53,7 @@ class ContactLaw:
 
     Examples
     --------
+    >>> from dem import ContactLaw
     >>> ContactLaw(2.0, 0.25).tangential
     0.5
     """
@@ -137,7 +138,7 @@ class ContactLaw:
 
 def elastic_law(contact: object) -> ElasticLaw:
     """``contact``, if it is a law that any contact may follow; else ValueError."""
-    if not is_law(contact) or isinstance(contact, type):
+    if not is_law(contact):
         raise ValueError(f"contact = {contact!r} is no contact law")
     if isinstance(contact, PerContact):
         raise ValueError("contact is a law per contact, but contacts come and go in motion")

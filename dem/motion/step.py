@@ -65,6 +65,7 @@ def step(
 
     Examples
     --------
+    >>> from dem import ContactLaw, State, step
     >>> state = State([[0.0, 0.0], [2.0, 0.0]], [0.5, 0.5], velocities=[[1.0, 0.0], [0.0, 0.0]])
     >>> round(float(step(state, ContactLaw(), 0.01, steps=50, backend="numpy").positions[0, 0]), 6)
     0.5

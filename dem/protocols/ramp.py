@@ -52,19 +52,48 @@ def ramp(
     settings: Settings = Settings(),  # noqa: B008  (frozen)
     progress: bool | None = None,
 ) -> list[Packing]:
-    """Packings at each of ``deltas`` (Δ = p, from 1e-6 to 0.2), each made from the one before.
+    """Packings at each of ``deltas``, each made from the one before.
 
-    The first is made from ``packing``, itself at a Δ in that range, with its friction, in its unit
-    of length.  ``stiffness_ratio``: k_t/κ, where the packing does not record it.  Stages far apart
-    are swept, not jumped; ask for those in between to keep them.  ``info["ramp"]`` says from which
-    Δ a packing came; steps and inertial times are those of the rest after the sweep.
+    Parameters
+    ----------
+    packing : Packing
+        Where the first comes from: periodic, without external loads, of linear springs with κ =
+        1, itself at a Δ from 1e-6 to 0.2.  Its friction and its unit of length stay.
+    deltas : iterable of float
+        Δ = p, from 1e-6 to 0.2.  Stages far apart are swept, not jumped; ask for those in between
+        to keep them.
+    stiffness_ratio : float, optional
+        k_t/κ, where the packing does not record it.
+    settings : Settings
+        Of every stage.
+    progress : bool, optional
+        None shows bars on a terminal only, False never.
+
+    Returns
+    -------
+    list of Packing
+        ``provenance.ramp`` says from which Δ a packing came; its steps and inertial times are
+        those of the rest after the sweep.
 
     Raises
     ------
-    ValueError : a Δ out of range, an open packing, one with external loads, in a cell that is no
-        rectangle, or with κ other than 1; one with friction whose k_t/κ is neither recorded nor
-        given; a cell too narrow for its grains; float32 with Δ < 1e-4.
-    NotRelaxed : a stage did not come to rest; its note says which.
+    ValueError
+        A Δ out of range, an open packing, one with external loads, in a cell that is no rectangle,
+        of another contact law, or with κ other than 1; one with friction whose k_t/κ is neither
+        recorded nor given; a cell too narrow for its grains; float32 with Δ < 1e-4.
+    NotRelaxed
+        A stage did not come to rest; its note says which.
+
+    Notes
+    -----
+    Each stage sweeps p at d ln p/dt = ± 0.1 √(p/ρ)/⟨σ⟩, then comes to rest as in ``relax``.
+
+    Examples
+    --------
+    >>> from dem import Scene, ramp, relax
+    >>> packing = relax(Scene(grains=20, delta=1e-2), seed=1, progress=False)
+    >>> [f"{p.delta:g}" for p in ramp(packing, [2e-2, 1e-2], progress=False)]
+    ['0.02', '0.01']
     """
     instance("packing", packing, Packing)
     instance("settings", settings, Settings)

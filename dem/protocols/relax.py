@@ -74,6 +74,7 @@ def relax(
 
     Examples
     --------
+    >>> from dem import Scene, relax
     >>> packing = relax(Scene(grains=20, delta=1e-2), seed=1, progress=False)
     >>> f"{packing.delta:g}", bool(packing.residuals().max() < 1e-9)
     ('0.01', True)
