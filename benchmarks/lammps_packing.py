@@ -22,7 +22,7 @@ import numpy as np
 
 from dem import Scene, Settings, relax
 from dem.protocols.loose_gas import loose_state
-from paper_figs.command import counts
+from studies.command_line import counts
 
 #: Δ -> (final drag, gain of the pressure control, steps between looks), tuned by hand.
 TUNED = {

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
-from paper_figs.command import counts
+from studies.command_line import counts
 
 DELTA, SKIN, TIME_STEP, STEPS = 1e-3, 0.2, 0.05, 1000
 

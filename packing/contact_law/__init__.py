@@ -28,6 +28,8 @@ def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
     """
     if is_law(stiffness):
         return stiffness
-    if isinstance(stiffness, np.ndarray | list | tuple) and np.ndim(stiffness):
-        return PerContact(np.asarray(stiffness))
+    if isinstance(stiffness, list | tuple) or (
+        isinstance(stiffness, np.ndarray) and stiffness.ndim
+    ):
+        return PerContact(stiffness)  # type: ignore[arg-type]  # it looks at the numbers
     return Linear(positive_number("stiffness", stiffness))
