@@ -57,8 +57,7 @@ def ramp(
     Parameters
     ----------
     packing : Packing
-        Where the first comes from: periodic, without external loads, of linear springs with κ =
-        1, itself at a Δ from 1e-6 to 0.2.  Its friction and its unit of length stay.
+        Periodic, without external loads, of linear springs with κ = 1, at a Δ from 1e-6 to 0.2.
     deltas : iterable of float
         Δ = p, from 1e-6 to 0.2.  Stages far apart are swept, not jumped; ask for those in between
         to keep them.
@@ -78,9 +77,8 @@ def ramp(
     Raises
     ------
     ValueError
-        A Δ out of range, an open packing, one with external loads, in a cell that is no rectangle,
-        of another contact law, or with κ other than 1; one with friction whose k_t/κ is neither
-        recorded nor given; a cell too narrow for its grains; float32 with Δ < 1e-4.
+        A Δ out of range; another packing than these, or in a cell that is no rectangle, or too
+        narrow for its grains; k_t/κ neither recorded nor given; float32 with Δ < 1e-4.
     NotRelaxed
         A stage did not come to rest; its note says which.
 
@@ -105,6 +103,13 @@ def ramp(
     size = mean_diameter(packing)
     if size != 1:
         packing = rescaled(_rounded(packing), 1 / size)
+    stages = _stages(packing, path, ratio, settings, progress)
+    return [rescaled(p, size) for p in stages]
+
+
+def _stages(
+    packing: Packing, path: list[float], ratio: float, settings: Settings, progress: bool | None
+) -> list[Packing]:
     made: list[Packing] = []
     for k, delta in enumerate(path):
         before = made[-1] if made else packing
@@ -113,7 +118,7 @@ def ramp(
         except NotRelaxed as failure:
             failure.add_note(f"in stage {k} of the ramp, from Δ = {before.delta:g} to {delta:g}")
             raise
-    return [rescaled(p, size) for p in made]
+    return made
 
 
 def _path(deltas: Any, settings: Settings) -> list[float]:
