@@ -10,6 +10,7 @@ time scale, as a viscosity ~ Δ^(-1/2), and stiff packings creep for ever.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -81,7 +82,7 @@ class ContactLaw:
         object.__setattr__(self, "friction", number_from_zero("friction", friction))
         object.__setattr__(self, "dashpot", number_from_zero("dashpot", dashpot))
 
-    @property
+    @cached_property
     def linear(self) -> Linear | None:
         """The springs, if they are linear."""
         return self.contact if isinstance(self.contact, Linear) else None
@@ -96,7 +97,7 @@ class ContactLaw:
         """k_t/κ of linear springs; ValueError for another law, which has none."""
         return self._springs("stiffness_ratio").stiffness_ratio
 
-    @property
+    @cached_property
     def tangential(self) -> float:
         """k_t of linear springs; ValueError for another law, which has none."""
         return self.stiffness * self.stiffness_ratio

@@ -15,31 +15,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from itertools import islice
-from math import exp, sqrt
 from typing import Any
 
 import numpy as np
 
-from dem.model.drive import Drive
-from dem.model.history import History
-from dem.motion.state import State
 from dem.protocols.not_relaxed import NotRelaxed
-from dem.protocols.plan import Plan, check_noise
-from dem.protocols.progress import PressureBar
+from dem.protocols.plan import check_noise
 from dem.protocols.relax import CONTINUED_BELOW
-from dem.protocols.relaxation import advance, come_to_rest
-from dem.protocols.resume import check_resumable, mean_diameter, origin, recorded_ratio, rescaled
-from dem.scene import LARGEST_DELTA, Scene
+from dem.protocols.resume import check_resumable, mean_diameter, recorded_ratio, rescaled
+from dem.protocols.stage import stage
+from dem.scene import LARGEST_DELTA
 from dem.settings import Settings
 from packing.arguments.arrays import real_array
 from packing.arguments.numbers import instance, real_number, shown
 from packing.progress import hidden
 from packing.record import Packing
 
-#: Changes of ln p per inertial time: a decade takes 23 of them, as long as coming to rest does.
-RATE = 0.1
-#: Steps between two values of the pressure.
-STRIDE = 20
 #: Every stage is a relaxation: more of them are a series that does not end.
 MOST_STAGES = 10_000
 
@@ -114,7 +105,7 @@ def _stages(
     for k, delta in enumerate(path):
         before = made[-1] if made else packing
         try:
-            made.append(_stage(before, delta, ratio, settings, progress))
+            made.append(stage(before, delta, ratio, settings, progress))
         except NotRelaxed as failure:
             failure.add_note(f"in stage {k} of the ramp, from Δ = {before.delta:g} to {delta:g}")
             raise
@@ -152,37 +143,3 @@ def _check(packing: Packing) -> None:
 def _rounded(packing: Packing) -> Packing:
     """Without low parts: grains move in doubles."""
     return replace(packing, positions_low=None, radii_low=None, cell_low=None)
-
-
-def _stage(
-    packing: Packing, delta: float, ratio: float, settings: Settings, progress: bool | None
-) -> Packing:
-    scene = Scene(
-        len(packing.radii), delta, friction=packing.friction, stiffness_ratio=ratio
-    )  # what acts from here on; what the grains were drawn from stays on record
-    state = state_of(packing, scene)
-    _sweep(state, packing.delta, scene, settings, progress)
-    new = come_to_rest(state, scene, packing.provenance.seed, settings, progress)
-    return new.noted(**origin(packing, delta, ratio), ramp={"from": packing.delta})
-
-
-def state_of(packing: Packing, scene: Scene) -> State:
-    """Grains at rest, with the springs that the tangential forces stretch."""
-    elongations = packing.tangential_forces / scene.stiffness_ratio
-    history = History(packing.pairs, packing.images, elongations)
-    return State(packing.positions, packing.radii, cell=packing.cell, history=history)
-
-
-def _sweep(
-    state: State, p: float, scene: Scene, settings: Settings, progress: bool | None
-) -> None:
-    plan = Plan.of(scene, settings, state.radii)
-    simulation = plan.simulation(state, settings)
-    target, where = scene.pressure, f"Δ = {scene.delta:g}: "
-    with PressureBar(f"Δ={p:.0e} → {target:.0e}", p, target, progress) as bar:
-        while p != target:
-            change = exp(RATE * STRIDE * plan.dt * sqrt(p))
-            p = min(p * change, target) if p < target else max(p / change, target)
-            simulation.drive = Drive(settings.drag * sqrt(p), p)
-            advance(simulation, STRIDE, where)
-            bar.show(p)
