@@ -31,7 +31,8 @@ class _Clocked(Executor):
 def _clock(fn: Any, args: Any, kwargs: Any) -> Packing:
     begin = time.perf_counter()
     packing = fn(*args, **kwargs)
-    return packing.noted(wall=time.perf_counter() - begin)
+    packing = packing.noted(wall=time.perf_counter() - begin)
+    return packing
 
 
 def efficiency(packings: int, grains: int = 300, repeats: int = 5) -> Shares:

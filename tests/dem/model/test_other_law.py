@@ -204,7 +204,7 @@ class Holding(Stiffening):
         (Stiffening, "contact = .* is not built yet; use 'linear'"),
         (3, "contact = 3 is not built yet; use 'linear'"),
     ],
-    ids=str,
+    ids=range(7),
 )
 def test_odd_contacts_are_refused(contact, message):
     with pytest.raises(ValueError, match=message):
