@@ -26,6 +26,8 @@ from scaling.equation.force_equation import ForceEquation
 STEPS = 100
 CONVERGED = 1e-10
 """Step that is left, relative to the forces."""
+_SMALL = 1e-8
+_UNSEEN = 1e-6
 _HALVINGS = 30
 _SOFTEST = 1e-8
 """Of the mean slope: a contact that is softer, as f_n → 0 of Hertz, is stepped as if it had it."""
@@ -47,18 +49,20 @@ def solve_nonlinear(
         closing = κ * (equation.Q @ law.overlap(f[:c]) - sums)
         return np.concatenate([equation.M @ f - b, closing])
 
-    size = np.inf
+    previous = size = np.inf
     for _ in range(STEPS):
         slopes = law.slope(law.overlap(f[:c]))
         κ = float(np.mean(slopes))
         left = residual(f, κ)
         step = _tangent(equation, slopes, κ).solved(-left, solver, tol)
         size = float(np.linalg.norm(step.values)) / (float(np.linalg.norm(f)) or 1.0)
-        if size <= CONVERGED:
+        # Done when the step is rounding, or no longer shrinks because it is.
+        if size <= CONVERGED or (size <= _SMALL and size > 0.5 * previous):
             f = f + step.values
             return Solved(f, size + step.error, step.solver), residual(f, κ)
-        share = 1.0
-        for _ in range(_HALVINGS):
+        previous, share = size, 1.0
+        # Of small steps, whose square is rounding, the residual says nothing.
+        for _ in range(_HALVINGS if size > _UNSEEN else 0):
             if np.linalg.norm(residual(f + share * step.values, κ)) < np.linalg.norm(left):
                 break
             share /= 2

@@ -204,3 +204,29 @@ def test_newton_that_does_not_converge_is_refused(monkeypatch):
 def test_a_stiffness_that_is_none_is_refused(stiffness, message):
     with pytest.raises(ValueError, match=message):
         reconstruct(rhombus(0.505), stiffness)
+
+
+class Hertzian(Stiffening):
+    """f = κ δ^(3/2), odd: the slope vanishes with the force."""
+
+    def force(self, overlap):
+        return self.stiffness * np.sign(overlap) * abs(overlap) ** 1.5
+
+    def overlap(self, force):
+        return np.sign(force) * (abs(force) / self.stiffness) ** (2 / 3)
+
+    def slope(self, overlap):
+        return 1.5 * self.stiffness * np.sqrt(abs(overlap))
+
+
+@pytest.mark.parametrize("delta", [1e-1, 1e-3, 1e-6])
+def test_a_law_whose_slope_vanishes_with_the_force(delta):
+    """Some contacts are pulled apart by noise, f_n < 0; exact to ε/Δ. Twice: noise is weighed."""
+    truth = loaded(periodic(100, delta=delta, seed=1), Hertzian())
+    assert (truth.normal < 0).any()
+    found = reconstruct(truth.network, Hertzian())
+    assert relative_error(found.forces, truth.forces, frictional=True) < 1e-12 + 1e-15 / delta
+    noisy = perturb(truth.network, 0.1 * delta, np.random.default_rng(0))
+    off = reconstruct(noisy, Hertzian())
+    assert 0.02 < relative_error(off.forces, truth.forces, frictional=True) < 0.2
+    assert off.error_estimate < 1e-7
