@@ -1,0 +1,96 @@
+"""Reference pages: the public names of a package, by the room that defines them.
+
+A page under docs/reference holds a line ``<!-- public: scaling -->`` for each module whose names
+it shows; names, order and text come from the code.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from importlib import import_module
+from types import ModuleType
+
+from sphinx.application import Sphinx
+
+IN_PROSE = ("Parameters", "Attributes", "Raises", "Warns")
+ITEM = re.compile(r"^([A-Za-z_][\w, ]*?) : (.+)$")
+MARK = re.compile(r"<!-- public: ([\w.]+) -->")
+
+
+def written_out(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Replace the marks of a page."""
+    source[0] = MARK.sub(lambda match: public(match[1]), source[0])
+
+
+def public(name: str) -> str:
+    """Markdown for the classes and functions that the module ``name`` makes public."""
+    module = import_module(name)
+    rooms: dict[str, list[str]] = {}
+    for member in names(module):
+        thing = getattr(module, member)
+        if inspect.isclass(thing) or inspect.isroutine(thing):
+            rooms.setdefault(room(name, thing.__module__), []).append(member)
+    written = []
+    for place, members in rooms.items():
+        if place != name:
+            written.append(f"## {place}\n\n{first_line(import_module(place))}\n")
+        for member in members:
+            kind = "autoclass" if inspect.isclass(getattr(module, member)) else "autofunction"
+            written.append(f"```{{eval-rst}}\n.. {kind}:: {name}.{member}\n```\n")
+    return "\n".join(written)
+
+
+def names(module: ModuleType) -> list[str]:
+    """What the module exports, or defines without an underscore."""
+    own = [
+        name
+        for name, thing in vars(module).items()
+        if getattr(thing, "__module__", None) == module.__name__ and not name.startswith("_")
+    ]
+    return list(getattr(module, "__all__", own))
+
+
+def room(package: str, module: str) -> str:
+    """The folder or module directly inside ``package`` that ``module`` belongs to."""
+    depth = package.count(".") + 1
+    inside = module.startswith(f"{package}.")
+    return ".".join(module.split(".")[: depth + 1]) if inside else ".".join(module.split(".")[:2])
+
+
+def first_line(module: ModuleType) -> str:
+    """The first line of the docstring of a module."""
+    return (module.__doc__ or "").strip().splitlines()[0]
+
+
+def plain(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
+    """Docstrings as they are meant: |f| and G* are physics, and what follows ``name :`` is prose.
+
+    Types stand in the signatures, so that the text is moved from the place of a type to the line
+    below.
+    """
+    written: list[str] = []
+    section = ""
+    for k, line in enumerate(lines):
+        if k + 1 < len(lines) and re.fullmatch(r"-{3,}", lines[k + 1]):
+            section = line
+        item = ITEM.match(line) if section in IN_PROSE else None
+        for part in [item[1], f"    {item[2]}"] if item else [line]:
+            written.append(part if part.lstrip().startswith((">>>", "..")) else escaped(part))
+    lines[:] = written
+
+
+def escaped(line: str) -> str:
+    """Bars and stars that are no marks, but for literals."""
+    parts = re.split(r"(``.*?``)", line)
+    parts[::2] = [re.sub(r"(?<!\\)([|*])", r"\\\1", part) for part in parts[::2]]
+    return "".join(parts)
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Connect to the reading of pages and docstrings."""
+    app.connect("source-read", written_out)
+    app.connect("autodoc-process-docstring", plain, priority=400)  # before napoleon
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
