@@ -43,17 +43,19 @@ nb_execution_cache_path = "build/notebooks-run"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 600
 nb_merge_streams = True
+nb_render_markdown_format = "myst"
 
 default_role = "code"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
-autodoc_default_options = {"members": True, "show-inheritance": False}
+autodoc_default_options = {"members": True}
 napoleon_google_docstring = False
 napoleon_use_param = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
+napoleon_attr_annotations = False
 add_module_names = False
-maximum_signature_line_length = 80
+toc_object_entries_show_parents = "hide"
 
 # Where the committed tables lie: {csv} figures:table1.csv
 csv_folders = {"figures": "figures", "results": "benchmarks/results"}

@@ -1,7 +1,7 @@
 """Reference pages: the public names of a package, by the room that defines them.
 
-A page under docs/reference holds a line ``<!-- public: scaling -->`` for each module whose names
-it shows; names, order and text come from the code.
+A page under docs/reference holds a line ``<!-- public: scaling: geometry, equation -->`` for each
+module whose names it shows. Names and text come from the code; rooms that are not named follow.
 """
 
 from __future__ import annotations
@@ -13,27 +13,32 @@ from types import ModuleType
 
 from sphinx.application import Sphinx
 
+VALUES = ("attribute", "property", "data")
+COLON = "\ue000"  # of the private use area: no docstring has it
 IN_PROSE = ("Parameters", "Attributes", "Raises", "Warns")
 ITEM = re.compile(r"^([A-Za-z_][\w, ]*?) : (.+)$")
-MARK = re.compile(r"<!-- public: ([\w.]+) -->")
+PARAGRAPH = re.compile(r"^\S+ (?!:)|^\w+: ")
+MARK = re.compile(r"<!-- public: ([\w.]+)(?:: ([\w, ]+))? -->")
 
 
 def written_out(app: Sphinx, docname: str, source: list[str]) -> None:
     """Replace the marks of a page."""
-    source[0] = MARK.sub(lambda match: public(match[1]), source[0])
+    source[0] = MARK.sub(
+        lambda match: public(match[1], (match[2] or "").split(", ")), source[0]
+    )
 
 
-def public(name: str) -> str:
+def public(name: str, order: list[str]) -> str:
     """Markdown for the classes and functions that the module ``name`` makes public."""
     module = import_module(name)
-    rooms: dict[str, list[str]] = {}
+    rooms: dict[str, list[str]] = {f"{name}.{room}": [] for room in order if room}
     for member in names(module):
         thing = getattr(module, member)
         if inspect.isclass(thing) or inspect.isroutine(thing):
             rooms.setdefault(room(name, thing.__module__), []).append(member)
     written = []
     for place, members in rooms.items():
-        if place != name:
+        if members and place != name:
             written.append(f"## {place}\n\n{first_line(import_module(place))}\n")
         for member in members:
             kind = "autoclass" if inspect.isclass(getattr(module, member)) else "autofunction"
@@ -76,10 +81,21 @@ def plain(
     for k, line in enumerate(lines):
         if k + 1 < len(lines) and re.fullmatch(r"-{3,}", lines[k + 1]):
             section = line
+        elif section in IN_PROSE and PARAGRAPH.match(line) and not lines[k - 1].strip():
+            section = "Notes"
+            written += [section, "-----"]
         item = ITEM.match(line) if section in IN_PROSE else None
         for part in [item[1], f"    {item[2]}"] if item else [line]:
             written.append(part if part.lstrip().startswith((">>>", "..")) else escaped(part))
-    lines[:] = written
+    lines[:] = [line.replace(":", COLON) for line in written] if what in VALUES else written
+
+
+def with_colons(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
+    """Colons again, after napoleon, which takes what stands before one in an attribute's docstring
+    for a type."""
+    lines[:] = [line.replace(COLON, ":") for line in lines]
 
 
 def escaped(line: str) -> str:
@@ -93,4 +109,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Connect to the reading of pages and docstrings."""
     app.connect("source-read", written_out)
     app.connect("autodoc-process-docstring", plain, priority=400)  # before napoleon
+    app.connect("autodoc-process-docstring", with_colons, priority=600)  # after it
     return {"parallel_read_safe": True, "parallel_write_safe": True}
