@@ -2,6 +2,7 @@
 # make figures FULL=1  publication edition (N = 1000), to figures/
 # make test            lint, types and tests
 # make test-lowest     the tests with the lowest versions that pyproject.toml declares
+# make wheel           install as a user does, with all that is needed, and run the README's lines
 # make fuzz            the property tests on 1000 random examples each (EXAMPLES=n)
 # make nightly         damaged files and odd calls (INPUTS=100000 each), make fuzz, the long tests,
 #                      and the mutations that tests must notice
@@ -29,7 +30,8 @@ DOCS = .venv-docs/bin/python
 LOWEST = .venv-lowest/bin/python
 INSTALL = -m pip install --quiet --disable-pip-version-check --editable
 
-.PHONY: figures test test-lowest fuzz nightly mutation bench studies notebooks docs docs-pictures clean
+.PHONY: figures test test-lowest wheel fuzz nightly mutation bench studies notebooks docs \
+	docs-pictures clean
 
 figures: .venv/ready$(if $(FULL),-full)
 	$(RUN) -m paper_figs $(if $(FULL),--full)
@@ -42,6 +44,13 @@ test: .venv-test/ready
 
 test-lowest: .venv-lowest/ready
 	$(LOWEST) -m pytest --numprocesses=2 --nbmake --disable-warnings tests notebooks
+
+wheel: .venv-test/ready
+	rm -rf build/wheel build/lib build/bdist.* .venv-wheel
+	$(TEST) -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir build/wheel .
+	$(PYTHON) -m venv .venv-wheel
+	.venv-wheel/bin/python -m pip install --quiet --disable-pip-version-check build/wheel/*.whl
+	cd build/wheel && ../../.venv-wheel/bin/python -P ../../tests/readme_lines.py
 
 fuzz: .venv-test/ready
 	HYPOTHESIS_PROFILE=fuzz FUZZ_EXAMPLES=$(EXAMPLES) \
@@ -99,4 +108,4 @@ studies: .venv/ready-full
 	touch $@
 
 clean:
-	rm -rf build .venv .venv-test .venv-lowest .venv-docs
+	rm -rf build .venv .venv-test .venv-lowest .venv-wheel .venv-docs

@@ -8,7 +8,7 @@ drawn in `scaling.geometry.contact_network`.
 
 from packing.contact_search import infer_contacts
 from packing.version import __version__
-from scaling.algebra.least_squares import Conditioning
+from scaling.algebra.conditioning import Conditioning
 from scaling.equation.force_equation import ForceEquation, force_equation
 from scaling.estimators.bounded.posterior import flat_guess
 from scaling.estimators.misfit import ImplausibleNoiseWarning
@@ -16,8 +16,8 @@ from scaling.estimators.plausibility import BeyondFrictionWarning
 from scaling.estimators.reconstruction import Reconstruction, reconstruct
 from scaling.geometry.coarse_coordinates import CoarseCoordinatesWarning
 from scaling.geometry.contact_network import ContactNetwork
-from scaling.geometry.loops import Loops
 from scaling.geometry.tiling import tiled, tiled_forces
+from scaling.geometry.topology.loops import Loops
 from scaling.noise.conventions import perturb
 from scaling.noise.systematic import (
     forces_of_overlaps,

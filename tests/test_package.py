@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -23,7 +24,7 @@ PACKAGES = ("scaling", "dem", "packing")
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """(names, metadata) of the wheel, built from a copy of the tree."""
+    """The wheel, built from a copy of the tree."""
     pytest.importorskip(
         "setuptools", minversion="77.0.3", reason="an older setuptools builds no wheel"
     )
@@ -33,14 +34,13 @@ def wheel(tmp_path_factory):
     run = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet"]
     subprocess.run([*run, "--wheel-dir", folder, folder / "tree"], check=True)
     (path,) = folder.glob("*.whl")
-    with ZipFile(path) as archive:
-        names = archive.namelist()
-        (metadata,) = (n for n in names if n.endswith(".dist-info/METADATA"))
-        return names, Parser().parsestr(archive.read(metadata).decode())
+    return path
 
 
 def test_wheel_declares_its_licence_and_version(wheel):
-    _, metadata = wheel
+    with ZipFile(wheel) as archive:
+        (name,) = (n for n in archive.namelist() if n.endswith(".dist-info/METADATA"))
+        metadata = Parser().parsestr(archive.read(name).decode())
     assert metadata["License-Expression"] == "BSD-3-Clause"
     assert metadata.get_all("License-File") == ["LICENSE"]
     assert metadata["Version"] == scaling.__version__
@@ -49,12 +49,24 @@ def test_wheel_declares_its_licence_and_version(wheel):
 
 def test_wheel_holds_every_package_and_nothing_else(wheel):
     """Every module of the packages and their marks of being typed; no tests, no benchmarks."""
-    names, _ = wheel
-    held = {n for n in names if ".dist-info/" not in n}
+    held = {n for n in ZipFile(wheel).namelist() if ".dist-info/" not in n}
     modules = (p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
     assert held == {p.relative_to(ROOT).as_posix() for p in modules} | {
         f"{package}/py.typed" for package in PACKAGES
     }
+
+
+def test_the_wheel_does_what_the_readme_says(wheel, tmp_path):
+    """Installed beside the packages of this environment, run from an empty folder."""
+    site, empty = tmp_path / "site", tmp_path / "empty"
+    install = [sys.executable, "-m", "pip", "install", "--no-deps", "--quiet", "--target", site]
+    subprocess.run([*install, wheel], check=True)
+    empty.mkdir()
+    where = "import dem, scaling, packing; print(*(m.__file__ for m in (dem, scaling, packing)))"
+    run = {"cwd": empty, "env": os.environ | {"PYTHONPATH": str(site)}, "check": True}
+    found = subprocess.run([sys.executable, "-c", where], capture_output=True, text=True, **run)
+    assert all(path.startswith(str(site)) for path in found.stdout.split())
+    subprocess.run([sys.executable, "-P", ROOT / "tests" / "readme_lines.py"], **run)
 
 
 def test_packages_know_their_version():

@@ -11,6 +11,7 @@ import pytest
 
 from dem import Scene, Settings
 from paper_figs import fig4, fig5, fig7, table1
+from tests.readme_lines import lines
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text()
@@ -18,7 +19,7 @@ ESTIMATORS = (ROOT / "docs" / "estimators.md").read_text()
 
 
 def test_ten_lines_run_and_the_prediction_holds(capsys):
-    code = re.search(r"```python\n(.*?)```", README, re.DOTALL).group(1)
+    code = lines()
     statements = [
         line for line in code.splitlines() if line and not line.startswith(("import", "from"))
     ]

@@ -2,8 +2,8 @@
 
     python docs/site/sketches.py        writes docs/why/sketches/*.png
 
-One packing of 100 grains (μ = 0.3, Δ = 1e-4), its positions known to ξ = Δ, the same noise for all.
-`transverse` is told the true normal forces in addition. E stands in each title.
+One packing of 100 grains (μ = 0.3, Δ = 1e-4), its positions known to ξ = Δ, the same noise for
+all. `transverse` is told the true normal forces in addition. E stands in each title.
 """
 
 from __future__ import annotations
@@ -38,12 +38,13 @@ def options(packing: Packing) -> dict[str, dict[str, object]]:
 
 def draw(ax: Axes, network: ContactNetwork, normal: np.ndarray, scale: float, title: str) -> None:
     """Contacts as lines as wide as their normal force, red where it pulls."""
-    assert network.positions is not None and network.cell is not None
+    assert network.positions is not None
     start = network.positions[network.pairs[:, 0]]
     ends = start + network.distances[:, None] * network.normals
     colours = [PULL if f < 0 else PUSH for f in normal]
     width = 2.2 * np.abs(normal) / scale
-    ax.add_collection(LineCollection(np.stack([start, ends], axis=1), linewidths=width, colors=colours))
+    lines = np.stack([start, ends], axis=1)
+    ax.add_collection(LineCollection(lines, linewidths=width, colors=colours))
     ax.set_aspect("equal")
     ax.autoscale_view()
     ax.set_axis_off()

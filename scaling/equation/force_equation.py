@@ -30,9 +30,10 @@ from scipy.sparse import csr_array, diags_array, hstack, vstack
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import flag, instance, positive_number
 from packing.immutable import Immutable, read_only
-from scaling.algebra.least_squares import Conditioning, LeastSquares
+from scaling.algebra.conditioning import Conditioning
+from scaling.algebra.least_squares import LeastSquares
 from scaling.geometry.contact_network import ContactNetwork
-from scaling.geometry.loops import Loops
+from scaling.geometry.topology.loops import Loops
 
 ROW = np.dtype([("kind", "U8"), ("index", np.int64)])
 

@@ -14,7 +14,7 @@ from packing.arguments.coordinate_rounding import (
     rounding_steps,
     significant_digits,
 )
-from scaling.geometry.network_like import NetworkLike
+from scaling.geometry.network_data import NetworkData
 
 #: Rounding noise above this fraction of the mean overlap is reported.
 FAR_BELOW = 0.01
@@ -34,7 +34,7 @@ class CoarseCoordinatesWarning(UserWarning):
     """Positions, radii or cell are rounded too coarsely for the overlaps, hence for the forces."""
 
 
-def noise_of_rounding(network: NetworkLike) -> dict[str, Resolution]:
+def noise_of_rounding(network: NetworkData) -> dict[str, Resolution]:
     """What positions, radii and cell look like, by name.
 
     The noise of a cell is weighed by the share of contacts that cross its sides, rms.
@@ -55,7 +55,7 @@ def noise_of_rounding(network: NetworkLike) -> dict[str, Resolution]:
     return found
 
 
-def force_rounding(network: NetworkLike) -> float:
+def force_rounding(network: NetworkData) -> float:
     """What the rounding of the coordinates makes of forces, relative: ξ/⟨δ⟩, at most 1e-4.
 
     Forces are differences of lengths, so forces that were computed from doubles have lost
@@ -68,7 +68,7 @@ def force_rounding(network: NetworkLike) -> float:
     return min(_MOST_ROUNDING, noise / overlap) if overlap > 0 else _MOST_ROUNDING
 
 
-def warn_if_coarse(network: NetworkLike, built: bool = False) -> None:
+def warn_if_coarse(network: NetworkData, built: bool = False) -> None:
     """CoarseCoordinatesWarning when rounding is not far below the mean overlap of ``network``.
 
     ``built``: called by the constructor. Then nothing is said if the caller is this package: what

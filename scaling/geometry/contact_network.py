@@ -18,30 +18,27 @@ This drawing is the one sign convention of the package.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from packing import contact_list
-from packing.arguments.arrays import Floats, Integers, frozen, real_array
+from packing.arguments.arrays import frozen, real_array
 from packing.arguments.numbers import shown
-from packing.boundary import Boundary, boundary_of
-from packing.immutable import Immutable
+from packing.boundary import boundary_of
 from packing.packing_like import PackingLike, fields_of, refuse_other_names
 from scaling.geometry import cuts
 from scaling.geometry.coarse_coordinates import warn_if_coarse
-from scaling.geometry.high_precision import NO_LOW_PARTS, Extended, LowParts, with_low_parts
-from scaling.geometry.loops import Loops
+from scaling.geometry.high_precision import NO_LOW_PARTS, LowParts, with_low_parts
+from scaling.geometry.network_data import NetworkData
 from scaling.geometry.shared import Shared
-from scaling.geometry.spanning_forest import Forest
-from scaling.geometry.topology import Topology
-from scaling.geometry.wiring import Wiring
+from scaling.geometry.topology.topology import Topology
+from scaling.geometry.topology.wiring import Wiring
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class ContactNetwork(Immutable):
+class ContactNetwork(NetworkData):
     """What an experimenter measures: contacts, directions, sizes, loads. Immutable.
 
     Parameters
@@ -63,28 +60,6 @@ class ContactNetwork(Immutable):
     Lengths, forces: any consistent units. Grains without contacts and negative overlaps
     are legitimate. ValueError: bad input, naming grain or contact and number.
     """
-
-    positions: Floats | None
-    radii: Floats
-    pairs: Integers
-    cell: Floats | None
-    images: Integers
-    external: Floats
-    normals: Floats
-    contact_index: Integers
-    """(c,) contacts of the network this one was cut from; 0 ... c-1 if it was not cut."""
-    extended: Extended | None
-    """The lengths in 32 digits if low parts were given, else None."""
-    directions_measured: bool
-    """Whether `normals` were given, and stand for the directions."""
-    load_rounding: float
-    """Rounding of the loads relative to themselves, where they come from rounded forces."""
-    topology: Topology
-    """Forest, faces and windings of the contacts, kept when data change: noise moves grains, it
-    does not re-wire them."""
-    shared: Shared
-    """What contacts and directions alone determine: matrices, factorisations. One for all
-    networks that differ in sizes and loads only."""
 
     def __init__(
         self,
@@ -122,7 +97,8 @@ class ContactNetwork(Immutable):
         F = np.zeros((N, 3))
         if external is not None:
             F = real_array("external", external, (N, 3), "grain")
-        self._set(
+        _set(
+            self,
             positions=None if x is None else frozen(x),
             radii=frozen(R),
             pairs=frozen(ij),
@@ -135,25 +111,11 @@ class ContactNetwork(Immutable):
             load_rounding=0.0,
             shared=Shared(),
         )
-        self._set_low_parts(low)
+        _set_low_parts(self, low)
         lengths = self.sigma if x is None else self.distances
         wiring = Wiring(N, self.pairs, self.images, self.normals, lengths, H is not None)
-        self._set(topology=Topology(wiring))
+        _set(self, topology=Topology(wiring))
         warn_if_coarse(self, built=True)
-
-    def _set(self, **values: Any) -> None:
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
-
-    def _set_low_parts(self, low: LowParts) -> None:
-        """Lengths in 32 digits; the doubles are then what these round to."""
-        extended = with_low_parts(self.positions, self.radii, self.cell, low)
-        self._set(extended=extended)
-        if extended is not None:
-            cell = None if extended.cell is None else frozen(extended.cell.high)
-            self._set(
-                positions=frozen(extended.x.high), radii=frozen(extended.radii.high), cell=cell
-            )
 
     @classmethod
     def from_packing(cls, packing: PackingLike) -> ContactNetwork:
@@ -176,111 +138,6 @@ class ContactNetwork(Immutable):
             network = cls(**(given | optional), low=low)
         warn_if_coarse(network)
         return network
-
-    def __repr__(self) -> str:
-        kind = "open" if self.cell is None else "periodic"
-        return f"ContactNetwork({self.grains} grains, {self.contacts} contacts, {kind})"
-
-    # --- counts ---------------------------------------------------------------------------
-
-    @property
-    def grains(self) -> int:
-        """N, all grains, those without contacts too."""
-        return len(self.radii)
-
-    @property
-    def contacts(self) -> int:
-        """The number of contacts, c."""
-        return len(self.pairs)
-
-    @cached_property
-    def degrees(self) -> Integers:
-        """(N,) contacts per grain; one with the grain's own image counts twice."""
-        return frozen(np.bincount(self.pairs.ravel(), minlength=self.grains))
-
-    @cached_property
-    def active(self) -> Integers:
-        """Grains with at least one contact: those that have rows in the equation."""
-        return frozen(np.flatnonzero(self.degrees))
-
-    @property
-    def coordination(self) -> float:
-        """Z: mean number of contacts of the grains that have any."""
-        return 2 * self.contacts / len(self.active) if self.contacts else 0.0
-
-    @property
-    def components(self) -> int:
-        """Connected parts, not counting grains without contacts."""
-        return len(np.unique(self.forest.component[self.active]))
-
-    @property
-    def faces(self) -> int:
-        """Number of loops: c - N on a torus, c - N + 1 for one open component."""
-        return len(self.loops)
-
-    @property
-    def euler(self) -> int:
-        """V - E + F: 0 on a torus, else the number of open components."""
-        return len(self.active) - self.contacts + self.faces
-
-    # --- geometry -------------------------------------------------------------------------
-
-    @property
-    def boundary(self) -> Boundary:
-        """Open, or the periodic cell: where the other ends of contacts are."""
-        return boundary_of(self.cell)
-
-    @cached_property
-    def tangents(self) -> Floats:
-        """(c, 2) normals turned by +90°."""
-        return frozen(np.column_stack([-self.normals[:, 1], self.normals[:, 0]]))
-
-    @cached_property
-    def sigma(self) -> Floats:
-        """(c,) R_i + R_j."""
-        return frozen(self.radii[self.pairs].sum(axis=1))
-
-    @cached_property
-    def distances(self) -> Floats:
-        """(c,) centre to centre, r_e. ValueError when only directions were measured."""
-        if self.positions is None:
-            raise ValueError("distances need positions: this network has directions only")
-        branch = self.boundary.branches(self.positions, self.pairs, self.images)
-        return frozen(np.hypot(*branch.T))
-
-    @property
-    def overlaps(self) -> Floats:
-        """(c,) δ = σ - r. A difference of O(1) numbers: it loses log10(1/Δ) digits, unless
-        low parts hold them."""
-        if self.positions is None:
-            raise ValueError("overlaps need positions: this network has directions only")
-        if self.extended is not None:
-            return self.extended.overlaps(self.pairs, self.images)
-        return self.sigma - self.distances
-
-    @property
-    def mean_diameter(self) -> float:
-        """⟨σ⟩ over all grains, the unit in which ξ is given."""
-        return 2 * float(self.radii.mean())
-
-    # --- topology -------------------------------------------------------------------------
-
-    @property
-    def loops(self) -> Loops:
-        """The faces, counter-clockwise: see `scaling.geometry.faces`."""
-        return self.topology.loops
-
-    @property
-    def windings(self) -> Loops:
-        """Two loops round the periodic cell, none if open: see `shortest_windings`."""
-        return self.topology.windings
-
-    @property
-    def forest(self) -> Forest:
-        """A breadth-first spanning tree of each component."""
-        return self.topology.forest
-
-    # --- other networks from this one -----------------------------------------------------
 
     def replaced(
         self,
@@ -306,30 +163,30 @@ class ContactNetwork(Immutable):
         new.__dict__.update({k: v for k, v in self.__dict__.items() if k in kept})
         if positions is not None:
             x = real_array("positions", positions, (self.grains, 2), "grain")
-            new._set(positions=frozen(x))
+            _set(new, positions=frozen(x))
         if radii is not None:
             R = contact_list.radii_of_grains(radii)
             if R.shape != self.radii.shape:
                 raise ValueError(f"radii has shape {R.shape}, expected {self.radii.shape}")
-            new._set(radii=frozen(R))
+            _set(new, radii=frozen(R))
         if cell is not None:
             if self.cell is None:
                 raise ValueError(f"cell = {shown(cell)}, but the network is open")
-            new._set(cell=frozen(contact_list.lattice(cell)))
+            _set(new, cell=frozen(contact_list.lattice(cell)))
         if external is not None:
             F = real_array("external", external, self.external.shape, "grain")
-            new._set(external=frozen(F))
+            _set(new, external=frozen(F))
         if normals is not None:
             n = contact_list.directions(normals, self.contacts)
-            new._set(normals=frozen(n), directions_measured=True)
+            _set(new, normals=frozen(n), directions_measured=True)
         elif not self.directions_measured and not (positions is None and cell is None):
             assert new.positions is not None
             branch = new.boundary.branches(new.positions, self.pairs, self.images)
-            new._set(normals=frozen(contact_list.unit_vectors(branch, self.pairs)))
+            _set(new, normals=frozen(contact_list.unit_vectors(branch, self.pairs)))
         if not np.array_equal(new.normals, self.normals):
-            new._set(shared=Shared())
+            _set(new, shared=Shared())
         given = {"positions": positions, "radii": radii, "cell": cell}
-        new._set_low_parts(self._low_parts_kept(given, low))
+        _set_low_parts(new, self._low_parts_kept(given, low))
         return new
 
     def _low_parts_kept(self, given: dict[str, ArrayLike | None], low: LowParts) -> LowParts:
@@ -369,7 +226,7 @@ class ContactNetwork(Immutable):
             low=NO_LOW_PARTS if self.extended is None else self.extended.low,
         )
         index = frozen(np.flatnonzero(keep))
-        new._set(contact_index=index, load_rounding=self.load_rounding)
+        _set(new, contact_index=index, load_rounding=self.load_rounding)
         return new
 
     def unwrapped(self) -> ContactNetwork:
@@ -390,7 +247,8 @@ class ContactNetwork(Immutable):
         new = ContactNetwork(
             x, self.radii, self.pairs, external=self.external, normals=normals, low=low
         )
-        new._set(
+        _set(
+            new,
             contact_index=self.contact_index,
             directions_measured=self.directions_measured,
             load_rounding=self.load_rounding,
@@ -426,8 +284,23 @@ class ContactNetwork(Immutable):
         """
         cut = cuts.cut_out(self, mask, normal_forces, tangential_forces)
         part = self.selected(cut.keep, cut.external).unwrapped()
-        part._set(load_rounding=cut.load_rounding)
+        _set(part, load_rounding=cut.load_rounding)
         return part
 
 
-_DATA = tuple(ContactNetwork.__annotations__)
+_DATA = tuple(NetworkData.__annotations__)
+
+
+def _set(network: ContactNetwork, **values: Any) -> None:
+    for name, value in values.items():
+        object.__setattr__(network, name, value)
+
+
+def _set_low_parts(network: ContactNetwork, low: LowParts) -> None:
+    """Lengths in 32 digits; the doubles are then what these round to."""
+    extended = with_low_parts(network.positions, network.radii, network.cell, low)
+    _set(network, extended=extended)
+    if extended is not None:
+        cell = None if extended.cell is None else frozen(extended.cell.high)
+        x, R = frozen(extended.x.high), frozen(extended.radii.high)
+        _set(network, positions=x, radii=R, cell=cell)

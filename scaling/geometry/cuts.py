@@ -19,7 +19,7 @@ from packing.arguments.arrays import Floats, real_array, truth_array, whole_arra
 from packing.arguments.coordinate_rounding import EVIDENCE, significant_digits
 from packing.arguments.numbers import flag, shown
 from scaling.geometry.coarse_coordinates import force_rounding
-from scaling.geometry.network_like import NetworkLike
+from scaling.geometry.network_data import NetworkData
 
 _ROUNDING = 64 * np.finfo(float).eps
 """Of a sum of a few contact forces, in units of their magnitudes."""
@@ -35,7 +35,7 @@ class Cut:
     load_rounding: float
 
 
-def bearing(network: NetworkLike, frictional: bool = True) -> NDArray[np.bool_]:
+def bearing(network: NetworkData, frictional: bool = True) -> NDArray[np.bool_]:
     """(c,) contacts left when rattlers are taken out: see `ContactNetwork.without_rattlers`."""
     need = 2 if flag("frictional", frictional) else 3
     loaded = network.external.any(axis=1)
@@ -50,7 +50,7 @@ def bearing(network: NetworkLike, frictional: bool = True) -> NDArray[np.bool_]:
 
 
 def cut_out(
-    network: NetworkLike,
+    network: NetworkData,
     mask: ArrayLike,
     normal_forces: ArrayLike | None = None,
     tangential_forces: ArrayLike | None = None,
@@ -96,7 +96,7 @@ def _force_digits(forces: Floats) -> float:
     return 0.0 if digits is None else 10.0 ** (1 - digits)
 
 
-def _size_of_cut(network: NetworkLike, cut: NDArray[np.bool_], size: Floats) -> Floats:
+def _size_of_cut(network: NetworkData, cut: NDArray[np.bool_], size: Floats) -> Floats:
     """(N,) sum of the magnitudes of the cut forces on each grain."""
     i, j = network.pairs[cut].T
     count = network.grains
@@ -123,7 +123,7 @@ def _grain_mask(mask: ArrayLike, grains: int) -> NDArray[np.bool_]:
 
 
 def _loads_of_cut(
-    network: NetworkLike, inner: NDArray[np.bool_], cut: NDArray, fn: Floats, ft: Floats
+    network: NetworkData, inner: NDArray[np.bool_], cut: NDArray, fn: Floats, ft: Floats
 ) -> Floats:
     loads = np.zeros((network.grains, 3))
     force_on_i = -fn[cut, None] * network.normals[cut] + ft[cut, None] * network.tangents[cut]

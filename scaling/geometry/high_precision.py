@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from packing.arguments.arrays import Floats, Integers, real_array
 from packing.doubledouble import DoubleDouble, hypot, segment_sums
 from packing.immutable import Immutable, read_only
-from scaling.geometry.loops import Loops
+from scaling.geometry.topology.loops import Loops
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from tests.mutation.mutation import Mutation
 
-LAWS = ("tests/symbolic/test_contact_laws.py",)
-BALANCE = ("tests/symbolic/test_equilibrium.py",)
-COMMON = ("tests/symbolic/test_common_mode.py",)
-ORDERS = ("tests/symbolic/test_perturbation.py",)
-GAINS = ("tests/symbolic/test_gain.py",)
+LAWS = ("tests/scaling/symbolic/inputs/test_contact_law.py",)
+BALANCE = ("tests/scaling/symbolic/inputs/test_equilibrium.py",)
+COMMON = ("tests/scaling/symbolic/argument/test_common_mode.py",)
+ORDERS = ("tests/scaling/symbolic/argument/test_perturbation.py",)
+GAINS = ("tests/scaling/symbolic/loops/test_gain.py",)
 
 SYMBOLIC = (
     Mutation(

@@ -23,9 +23,7 @@ MARK = re.compile(r"<!-- public: ([\w.]+)(?:: ([\w, ]+))? -->")
 
 def written_out(app: Sphinx, docname: str, source: list[str]) -> None:
     """Replace the marks of a page."""
-    source[0] = MARK.sub(
-        lambda match: public(match[1], (match[2] or "").split(", ")), source[0]
-    )
+    source[0] = MARK.sub(lambda match: public(match[1], (match[2] or "").split(", ")), source[0])
 
 
 def public(name: str, order: list[str]) -> str:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaling import ContactNetwork, gain, tiled
-from scaling.geometry.topology import Topology
+from scaling.geometry.topology.topology import Topology
 from tests.conftest import packing
 from tests.scaling.networks import periodic
 

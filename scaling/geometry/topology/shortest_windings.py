@@ -17,10 +17,10 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from packing.arguments.arrays import Integers
-from scaling.geometry.loops import Loops
-from scaling.geometry.spanning_forest import Forest
-from scaling.geometry.windings import tree_windings
-from scaling.geometry.wiring import Wiring
+from scaling.geometry.topology.loops import Loops
+from scaling.geometry.topology.spanning_forest import Forest
+from scaling.geometry.topology.windings import tree_windings
+from scaling.geometry.topology.wiring import Wiring
 
 _TIE = 1e-9
 """Relative difference of lengths that is rounding."""

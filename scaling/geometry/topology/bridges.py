@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from scaling.geometry.spanning_forest import Forest
-from scaling.geometry.wiring import Wiring
+from scaling.geometry.topology.spanning_forest import Forest
+from scaling.geometry.topology.wiring import Wiring
 
 
 def bridges(wiring: Wiring, forest: Forest) -> NDArray[np.bool_]:

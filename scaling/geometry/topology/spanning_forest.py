@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from packing.arguments.arrays import Integers
-from scaling.geometry.wiring import Wiring
+from scaling.geometry.topology.wiring import Wiring
 
 
 @dataclass(frozen=True, eq=False)

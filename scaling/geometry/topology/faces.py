@@ -19,9 +19,9 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from packing.arguments.arrays import Integers
-from scaling.geometry.loops import Loops
-from scaling.geometry.spanning_forest import Forest
-from scaling.geometry.wiring import Wiring
+from scaling.geometry.topology.loops import Loops
+from scaling.geometry.topology.spanning_forest import Forest
+from scaling.geometry.topology.wiring import Wiring
 
 
 def faces(wiring: Wiring, forest: Forest) -> Loops:

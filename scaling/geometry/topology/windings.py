@@ -1,6 +1,7 @@
 """Loops that wind around the periodic cell, Σ_e s_e r_e n_e = Λ ≠ 0, from a spanning tree.
 
-The equation takes the two shortest loops that wind: see `scaling.geometry.shortest_windings`.
+The equation takes the two shortest loops that wind: see
+`scaling.geometry.topology.shortest_windings`.
 """
 
 from __future__ import annotations
@@ -9,9 +10,9 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from packing.arguments.arrays import Integers
-from scaling.geometry.loops import Loops
-from scaling.geometry.spanning_forest import Forest
-from scaling.geometry.wiring import Wiring
+from scaling.geometry.topology.loops import Loops
+from scaling.geometry.topology.spanning_forest import Forest
+from scaling.geometry.topology.wiring import Wiring
 
 
 def tree_windings(wiring: Wiring, forest: Forest) -> Loops:

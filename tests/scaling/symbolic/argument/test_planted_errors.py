@@ -31,7 +31,7 @@ from scaling.symbolic.inputs import (
     kinematics,
 )
 from scaling.symbolic.loops import gain, named_networks
-from tests.symbolic.test_derivation import ALL, MORE
+from tests.scaling.symbolic.argument.test_derivation import ALL, MORE
 
 PARTS = {
     "geometry": equation.geometry_steps,

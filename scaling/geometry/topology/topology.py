@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from packing.immutable import Immutable, read_only
-from scaling.geometry.bridges import bridges
-from scaling.geometry.faces import faces
-from scaling.geometry.loops import Loops
-from scaling.geometry.shortest_windings import winding_loops
-from scaling.geometry.spanning_forest import Forest, spanning_forest
-from scaling.geometry.windings import tree_windings
-from scaling.geometry.wiring import Wiring
+from scaling.geometry.topology.bridges import bridges
+from scaling.geometry.topology.faces import faces
+from scaling.geometry.topology.loops import Loops
+from scaling.geometry.topology.shortest_windings import winding_loops
+from scaling.geometry.topology.spanning_forest import Forest, spanning_forest
+from scaling.geometry.topology.windings import tree_windings
+from scaling.geometry.topology.wiring import Wiring
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,20 +31,20 @@ class Topology(Immutable):
 
     @cached_property
     def loops(self) -> Loops:
-        """The faces, counter-clockwise: see `scaling.geometry.faces`."""
+        """The faces, counter-clockwise: see `scaling.geometry.topology.faces`."""
         return read_only(faces(self.wiring, self.forest))
 
     @cached_property
     def windings(self) -> Loops:
-        """The two shortest loops round the cell: see `scaling.geometry.shortest_windings`."""
+        """The two shortest loops round the cell: see `shortest_windings`."""
         return read_only(winding_loops(self.wiring, self.forest))
 
     @cached_property
     def tree_windings(self) -> Loops:
-        """Two loops round the cell, whichever the tree closes: see `scaling.geometry.windings`."""
+        """Two loops round the cell, whichever the tree closes: see `windings`."""
         return read_only(tree_windings(self.wiring, self.forest))
 
     @cached_property
     def bridges(self) -> NDArray[np.bool_]:
-        """(c,) contacts on no loop: see `scaling.geometry.bridges`."""
+        """(c,) contacts on no loop: see `scaling.geometry.topology.bridges`."""
         return read_only(bridges(self.wiring, self.forest))

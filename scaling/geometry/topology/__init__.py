@@ -1,0 +1,1 @@
+"""Loops of a list of contacts: spanning forest, faces, windings, bridges."""
