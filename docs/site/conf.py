@@ -34,6 +34,7 @@ extensions = [
     "mathml",
     "csv_tables",
     "reference",
+    "short_cells",
 ]
 
 myst_enable_extensions = ["dollarmath"]

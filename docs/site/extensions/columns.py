@@ -19,7 +19,7 @@ def table(path: Path, wanted: list[str]) -> list[str]:
             name, value = (part.strip() for part in line.removeprefix("rows:").split(" = "))
             rows = [row for row in rows if row[name] == number(value)]
         else:
-            columns.append([part.strip() for part in line.split(" = ", 1)])
+            columns.append([part.strip() for part in line.rsplit(" = ", 1)])
     if not rows:
         raise ValueError("no row is left")
     lines = [[heading for heading, _ in columns], ["---"] * len(columns)]
