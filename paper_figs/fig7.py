@@ -32,9 +32,9 @@ from scaling import (
     rounded,
     stiffness_response,
 )
-from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import posterior
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from studies.contact_lists import confusion, list_error
 
 DELTA = 1e-4
@@ -142,7 +142,7 @@ def _inferred(
 
 
 def _with_gaps(network: ContactNetwork, p: Packing, xi: float) -> np.ndarray:
-    noise = sources(network, "position", xi=xi)
+    noise = noise_model(network, "position", xi=xi)
     problem = posterior(
         network, p.stiffness, p.friction, noise, pressure=p.pressure, gaps=True
     )  # fmt: skip

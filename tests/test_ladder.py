@@ -10,9 +10,10 @@ import pytest
 from benchmarks.studies import ladder, prior, ridge, sensitivity
 from benchmarks.studies.packings import bar, net
 from scaling import perturb, relative_error
-from scaling.estimators.bounded.bounded import bounded_forces
-from scaling.estimators.bounded.posterior import Prior, posterior
-from scaling.noise.noise_model import sources
+from scaling.estimators.bounded.maximum import bounded_forces
+from scaling.estimators.bounded.posterior import posterior
+from scaling.estimators.bounded.prior import Prior
+from scaling.noise.noise_model import noise_model
 from tests.conftest import packing
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -25,7 +26,7 @@ def small(seed, delta=1e-4):
 
 def problem_of(p, friction, noisy=None, xi=None, prior=None):
     n = net(p) if noisy is None else noisy
-    noise = None if xi is None else sources(n, "position", xi=xi)
+    noise = None if xi is None else noise_model(n, "position", xi=xi)
     return posterior(n, p.stiffness, friction, noise, pressure=p.pressure, prior=prior)
 
 

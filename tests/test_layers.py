@@ -32,7 +32,6 @@ PLAN = (
     "scaling.geometry",
     "scaling.equation",
     "scaling.noise",
-    "scaling.estimators.bounded",
     "scaling.estimators",
     "scaling.uncertainty",
     "scaling.observables",

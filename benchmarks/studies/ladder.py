@@ -25,7 +25,7 @@ from dem import Packing, Scene, Settings, ramp
 from packing.arguments.arrays import Floats
 from paper_figs.style import MARKERS, new_figure, power_of_ten
 from scaling import flat_guess, relative_error
-from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import posterior
 
 RUNGS = ("flat", "balance", "pressure", "push", "Coulomb")

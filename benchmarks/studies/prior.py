@@ -7,9 +7,10 @@ import numpy as np
 from benchmarks.studies.packings import SEED, bar, full, make, net, publish
 from dem import Packing, Scene
 from scaling import perturb, relative_error
-from scaling.estimators.bounded.bounded import bounded_forces
-from scaling.estimators.bounded.posterior import Posterior, Prior, posterior
-from scaling.noise.noise_model import sources
+from scaling.estimators.bounded.maximum import bounded_forces
+from scaling.estimators.bounded.posterior import Posterior, posterior
+from scaling.estimators.bounded.prior import Prior
+from scaling.noise.noise_model import noise_model
 from scaling.uncertainty.credible_intervals import coverage, enclosing, posterior_draws, widened
 from scaling.uncertainty.exact_draws import truncated_draws
 
@@ -68,7 +69,7 @@ def posterior_of(p: Packing, xi: float, choice: Prior | None = None) -> Posterio
     n, noise = net(p), None
     if np.isfinite(xi):
         n = perturb(n, xi, np.random.default_rng(SEED), "position")
-        noise = sources(n, "position", xi=xi)
+        noise = noise_model(n, "position", xi=xi)
     return posterior(
         n, p.stiffness, p.friction, noise, pressure=p.pressure, prior=choice,
         frictional=p.friction > 0,

@@ -18,10 +18,11 @@ from packing.arguments.arrays import Floats
 from paper_figs.style import PALETTE, new_figure, power_of_ten
 from scaling import perturb, reconstruct, relative_error
 from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
-from scaling.estimators.bounded.bounded import bounded_forces
-from scaling.estimators.bounded.posterior import Posterior, Prior, posterior
-from scaling.estimators.bounded.program import programme
-from scaling.noise.noise_model import sources
+from scaling.estimators.bounded.maximum import bounded_forces
+from scaling.estimators.bounded.posterior import Posterior, posterior
+from scaling.estimators.bounded.prior import Prior
+from scaling.estimators.bounded.program import program_of
+from scaling.noise.noise_model import noise_model
 
 WIDE = Prior(1.0, 100.0, 50.0)
 RATIOS = np.array([0.1, 1.0, 10.0, 100.0, 1000.0])
@@ -41,7 +42,7 @@ def gaussian(problem: Posterior, pressure: bool = True) -> Floats:
     f[: problem.equation.network.contacts] = problem.mean_force
     # The turning of directions is linear at the forces of the last pass, as in `bounded`.
     for _ in range(1 if noise is None or not noise.moves else 2):
-        task = programme(problem, f)
+        task = program_of(problem, f)
         weight = np.sqrt(task.P)
         wanted = np.divide(-task.q, weight, out=np.zeros_like(weight), where=weight > 0)
         conditions = csr_array(task.equal)
@@ -60,7 +61,7 @@ def errors(p: Packing, ratio: float, seed: int) -> dict[str, float]:
     found = {"gppsz": reconstruct(noisy, p.stiffness).forces}
     for name, prior in (("", None), (" wide", WIDE)):
         problem = posterior(
-            noisy, p.stiffness, p.friction, sources(noisy, "position", xi=xi),
+            noisy, p.stiffness, p.friction, noise_model(noisy, "position", xi=xi),
             pressure=p.pressure, prior=prior,
         )  # fmt: skip
         found[f"ridge{name}"] = gaussian(problem)

@@ -27,10 +27,11 @@ from dem import Packing, Scene
 from packing.arguments.arrays import Floats
 from scaling import ContactNetwork, force_equation, perturb, relative_error
 from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
-from scaling.estimators.bounded.bounded import bounded_forces
-from scaling.estimators.bounded.posterior import Prior, posterior
-from scaling.estimators.optimal import size_problem
-from scaling.noise.noise_model import sources
+from scaling.estimators.bounded.maximum import bounded_forces
+from scaling.estimators.bounded.posterior import posterior
+from scaling.estimators.bounded.prior import Prior
+from scaling.estimators.optimal.least_noise import size_problem
+from scaling.noise.noise_model import noise_model
 from scaling.uncertainty.relative_error import mean_force
 
 GROUPS = [(100, 0.3, 1e-2, 8), (100, 0.3, 1e-3, 8), (100, 0.3, 1e-4, 8), (300, 0.3, 1e-4, 6),
@@ -72,7 +73,7 @@ def self_stress(network: ContactNetwork) -> Floats:
 def noise_free_closure(network: ContactNetwork) -> Floats:
     """(k, c) orthonormal: the closure rows that no error of a size enters."""
     Q = force_equation(network).Q.toarray()
-    B = sources(network, "diameter").overlaps(network).toarray()
+    B = noise_model(network, "diameter").overlaps(network).toarray()
     return _span(null_space((Q @ B).T, rcond=_RANK).T @ Q)
 
 
@@ -103,7 +104,7 @@ def _span(rows: Floats) -> Floats:
 
 def optimal_map(network: ContactNetwork, rows: Floats) -> Floats:
     """(2c, N) error map of `optimal`, data="sizes", told the true values of `rows` (k, 2c)."""
-    equation, noise = force_equation(network), sources(network, "diameter")
+    equation, noise = force_equation(network), noise_model(network, "diameter")
     problem, k = size_problem(equation, noise), noise.count
     known = csr_array(np.hstack([np.zeros((len(rows), k)), rows]))
     b = np.zeros((problem.B.shape[0] + len(rows), k))
@@ -119,7 +120,7 @@ def gppsz_map(network: ContactNetwork, rows: Floats) -> Floats:
     """(2c, N) error map of gppsz, with the true values of `rows` (k, 2c) known."""
     equation = force_equation(network)
     G = equation.G.toarray()
-    QB = equation.Q @ sources(network, "diameter").overlaps(network)
+    QB = equation.Q @ noise_model(network, "diameter").overlaps(network)
     b = np.vstack([np.zeros((equation.M.shape[0], network.grains)), QB.toarray()])
     free = null_space(rows) if len(rows) else np.eye(G.shape[1])
     return free @ np.linalg.lstsq(G @ free, b, rcond=None)[0]
@@ -144,7 +145,7 @@ def bounded_error(p: Packing, told: float | None, prior: Prior, draws: int = 4) 
     squares = []
     for k in range(draws):
         noisy = perturb(net(p), p.delta, np.random.default_rng([SEED, k]), "diameter")
-        noise = sources(noisy, "diameter", xi=p.delta)
+        noise = noise_model(noisy, "diameter", xi=p.delta)
         friction = p.friction if told is None else told
         problem = posterior(noisy, p.stiffness, friction, noise, data="sizes",
                             pressure=p.pressure, prior=prior)  # fmt: skip

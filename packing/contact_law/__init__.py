@@ -22,6 +22,8 @@ def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
     """
     if all(callable(getattr(stiffness, name, None)) for name in _METHODS):
         return cast(ContactLaw, stiffness)
-    if isinstance(stiffness, np.ndarray | list | tuple) and np.ndim(stiffness):
-        return PerContact(np.asarray(stiffness))
+    if isinstance(stiffness, list | tuple) or (
+        isinstance(stiffness, np.ndarray) and stiffness.ndim
+    ):
+        return PerContact(stiffness)  # type: ignore[arg-type]  # it looks at the numbers
     return Linear(positive_number("stiffness", stiffness))

@@ -1,4 +1,4 @@
-"""The best linear unbiased estimate from all geometric data, balance exact.
+"""The least noise that leaves a packing in equilibrium, and the forces without it.
 
 The data are the truth plus noise, R̃ = R + L_R y, x̃ = x + L_x y, y = ξ η. Find the y that is
 most probable among those that leave a packing in equilibrium:
@@ -16,6 +16,8 @@ redundant. That too is what `scaling.algebra.equality_least_squares` solves.
 
 data="sizes" knows no distances. Then the unknowns are y and f, the conditions balance and
 closure, Q f_n + κ Q B y = κ (Q|σ̃⟩ - Λ). Directions are exact in it.
+
+With a stiffness per contact φ = f/κ̄, of the mean, and B and δ in M_n B, M_n δ are times κ_e/κ̄.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ from scaling.algebra.evidence import Solved, accepted
 from scaling.equation.force_equation import ForceEquation, force_equation
 from scaling.equation.global_moments import global_moments
 from scaling.geometry.contact_network import ContactNetwork
-from scaling.noise.noise_model import Sources
+from scaling.noise.noise_model import NoiseModel
 
 _MOST_STEPS = 40
 _SMALL = 1e-6
@@ -39,14 +41,14 @@ _ROUNDING = 1e3 * np.finfo(float).eps
 
 
 def geometric_problem(
-    equation: ForceEquation, noise: Sources, φ: Floats
+    equation: ForceEquation, noise: NoiseModel, φ: Floats
 ) -> tuple[ConstrainedLeastSquares, csr_array, csr_array]:
     """The problem in (y ; φ_t) linearised at φ = f/κ, with its B and C.
 
     Lengths in it (φ_t and the right-hand side C y) are in `noise.unit`, so that it has no unit.
     """
     matrices, network = equation.matrices, equation.network
-    B = noise.overlaps(network)
+    B = equation.stiffened(noise.overlaps(network))
     C = csr_array(matrices.M_normal @ B + noise.balance(network, φ))
     blocks = [C / noise.unit]
     if equation.frictional:
@@ -59,7 +61,7 @@ def geometric_problem(
     return ConstrainedLeastSquares(weights, conditions, name), B, C
 
 
-def size_problem(equation: ForceEquation, noise: Sources) -> ConstrainedLeastSquares:
+def size_problem(equation: ForceEquation, noise: NoiseModel) -> ConstrainedLeastSquares:
     """The problem in (y ; φ) of data="sizes", lengths in `noise.unit`."""
     if noise.moves:
         raise ValueError("data='sizes' takes directions as exact: position noise needs data='all'")
@@ -78,7 +80,7 @@ def size_problem(equation: ForceEquation, noise: Sources) -> ConstrainedLeastSqu
 
 
 def optimal_forces(
-    equation: ForceEquation, stiffness: float, noise: Sources, data: str
+    equation: ForceEquation, stiffness: float, noise: NoiseModel, data: str
 ) -> tuple[Solved, Floats, int, float]:
     """(f, y = the noise found in the data, steps, relative change of f in the last one).
 
@@ -88,7 +90,7 @@ def optimal_forces(
     """
     unit = noise.unit
     if data == "sizes":
-        t = equation.rhs(stiffness) / stiffness / unit
+        t = equation.rhs() / stiffness / unit
         found = size_problem(equation, noise).solved(np.zeros(noise.count), t)
         f = stiffness * unit * found.values[noise.count :]
         return _of_forces(found, stiffness * unit, f), found.values[: noise.count], 1, 0.0
@@ -98,7 +100,7 @@ def optimal_forces(
     here, previous, change = equation, np.inf, np.inf
     for step in range(_MOST_STEPS):
         problem, B, C = geometric_problem(here, noise, φ)
-        δ = here.network.overlaps
+        δ = here.stiffened(here.overlaps)
         b = F + here.matrices.M_normal @ δ + C @ y
         found = problem.solved(np.zeros(k), b / unit)
         u = found.values
@@ -116,13 +118,19 @@ def optimal_forces(
         if change < 1e-10 or (small and change > 0.5 * previous):
             return solved, y, step + 1, change
         previous = change
-        here = force_equation(_corrected(equation.network, noise, y), equation.frictional)
+        here = _at(equation, _corrected(equation.network, noise, y))
     if small:
         return solved, y, step + 1, change
     raise RuntimeError(
         f"optimal estimate: after {_MOST_STEPS} steps the forces still change by {change:.1e} of "
         f"themselves; noise of xi = {noise.xi:g} is too strong to linearise"
     )
+
+
+def _at(equation: ForceEquation, network: ContactNetwork) -> ForceEquation:
+    """The same equation for another network with these contacts."""
+    assert equation.law is not None
+    return force_equation(network, equation.frictional).with_law(equation.law)
 
 
 def _of_forces(found: Solved, unit: float, f: Floats) -> Solved:
@@ -132,7 +140,7 @@ def _of_forces(found: Solved, unit: float, f: Floats) -> Solved:
     return accepted(Solved(f, error, found.solver), "optimal estimate")
 
 
-def _corrected(network: ContactNetwork, noise: Sources, y: Floats) -> ContactNetwork:
+def _corrected(network: ContactNetwork, noise: NoiseModel, y: Floats) -> ContactNetwork:
     """The network with the noise y taken out of its data."""
     x = network.positions
     assert x is not None
