@@ -21,7 +21,7 @@ root_doc = "docs/index"
 include_patterns = [
     "docs/**",
     "notebooks/*.ipynb",
-    "benchmarks/results/*.md",
+    "results/*.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
 ]
@@ -59,7 +59,7 @@ add_module_names = False
 toc_object_entries_show_parents = "hide"
 
 # Where the committed tables lie: {csv} figures:table1.csv
-csv_folders = {"figures": "figures", "results": "benchmarks/results"}
+csv_folders = {"figures": "figures", "results": "results"}
 suppress_warnings = ["ref.python", "toc.not_included"]
 
 html_theme = "furo"

@@ -1,6 +1,6 @@
 """Contact laws: how overlap becomes force. One module each."""
 
-from typing import cast
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,9 +10,14 @@ from packing.contact_law.contact_law import ContactLaw
 from packing.contact_law.linear import Linear
 from packing.contact_law.per_contact import PerContact
 
-__all__ = ["ContactLaw", "Linear", "PerContact", "law_of"]
+__all__ = ["ContactLaw", "Linear", "PerContact", "is_law", "law_of"]
 
 _METHODS = ("force", "overlap", "slope", "tangential_stiffness", "delta")
+
+
+def is_law(thing: object) -> TypeGuard[ContactLaw]:
+    """Whether it has all that a contact law has to know."""
+    return all(callable(getattr(thing, name, None)) for name in _METHODS)
 
 
 def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
@@ -20,8 +25,8 @@ def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
 
     ValueError: a number that is not positive, named by its contact in an array.
     """
-    if all(callable(getattr(stiffness, name, None)) for name in _METHODS):
-        return cast(ContactLaw, stiffness)
+    if is_law(stiffness):
+        return stiffness
     if isinstance(stiffness, list | tuple) or (
         isinstance(stiffness, np.ndarray) and stiffness.ndim
     ):
