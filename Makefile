@@ -9,10 +9,10 @@
 # make notebooks       the derivations, run and rendered to build/notebooks/
 # make docs            the site, to build/site/, with the notebooks run; needs no network to be read
 # make docs-pictures   every page of it as a picture, to build/pictures/; needs a Chromium
-# make studies         the tables behind docs/estimators.md and docs/trade.md, to build/results/
+# make studies         the tables behind the docs, to build/results/
 # make studies FULL=1  as the docs have them, and a million grains, long, to results/
 # make bench           timings, quick, to build/results/
-# make bench FULL=1    those of docs/trade.md, long, to results/
+# make bench FULL=1    those of docs/speed.md and docs/trade.md, long, to results/
 # Each target makes the virtual environment it needs.
 
 PYTHON ?= python3

@@ -34,13 +34,15 @@ def public(name: str, order: list[str]) -> str:
         thing = getattr(module, member)
         if inspect.isclass(thing) or inspect.isroutine(thing):
             rooms.setdefault(room(name, thing.__module__), []).append(member)
+    above = names(import_module(name.rpartition(".")[0])) if "." in name else []
     written = []
     for place, members in rooms.items():
         if members and place != name:
             written.append(f"## {place}\n\n{first_line(import_module(place))}\n")
         for member in members:
             kind = "autoclass" if inspect.isclass(getattr(module, member)) else "autofunction"
-            written.append(f"```{{eval-rst}}\n.. {kind}:: {name}.{member}\n```\n")
+            again = "\n   :no-index:" if member in above else ""
+            written.append(f"```{{eval-rst}}\n.. {kind}:: {name}.{member}{again}\n```\n")
     return "\n".join(written)
 
 
