@@ -45,9 +45,9 @@ def test_commands_exist():
 
 
 def test_table_is_the_one_of_the_full_figures():
-    """Every line that ``packing_table.text`` prints stands in the README, to the letter."""
+    """Every line that ``packing_table.text`` prints stands in the docs, to the letter."""
     path = ROOT / "figures" / "table1.csv"
-    flowing = " ".join(README.split())
+    flowing = " ".join(DOCS.split())
     for line in packing_table.text(read_table(path), read_facts(path)["fits"]).splitlines():
         assert " ".join(line.split()) in flowing, line
 
