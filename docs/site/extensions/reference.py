@@ -15,9 +15,6 @@ from sphinx.application import Sphinx
 
 VALUES = ("attribute", "property", "data")
 COLON = "\ue000"  # of the private use area: no docstring has it
-IN_PROSE = ("Parameters", "Attributes", "Raises", "Warns")
-ITEM = re.compile(r"^([A-Za-z_][\w, ]*?) : (.+)$")
-PARAGRAPH = re.compile(r"^\S+ (?!:)|^\w+: ")
 MARK = re.compile(r"<!-- public: ([\w.]+)(?:: ([\w, ]+))? -->")
 
 
@@ -71,23 +68,12 @@ def first_line(module: ModuleType) -> str:
 def plain(
     app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
 ) -> None:
-    """Docstrings as they are meant: |f| and G* are physics, and what follows ``name :`` is prose.
-
-    Types stand in the signatures, so that the text is moved from the place of a type to the line
-    below.
-    """
-    written: list[str] = []
-    section = ""
+    """Docstrings as they are meant: |f| and G* are physics, and no marks."""
     for k, line in enumerate(lines):
-        if k + 1 < len(lines) and re.fullmatch(r"-{3,}", lines[k + 1]):
-            section = line
-        elif section in IN_PROSE and PARAGRAPH.match(line) and not lines[k - 1].strip():
-            section = "Notes"
-            written += [section, "-----"]
-        item = ITEM.match(line) if section in IN_PROSE else None
-        for part in [item[1], f"    {item[2]}"] if item else [line]:
-            written.append(part if part.lstrip().startswith((">>>", "..")) else escaped(part))
-    lines[:] = [line.replace(":", COLON) for line in written] if what in VALUES else written
+        if not line.lstrip().startswith((">>>", "...")):
+            lines[k] = escaped(line)
+        if what in VALUES:
+            lines[k] = lines[k].replace(":", COLON)
 
 
 def with_colons(
