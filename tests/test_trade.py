@@ -1,4 +1,4 @@
-"""The parts behind docs/trade.md, small: they run with error bars, and the page shows them."""
+"""The parts behind docs/trade.md and speed.md, small: with error bars, and the pages show them."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from studies.packings import continuation, ramps
 from tests.conftest import packing
 
 ROOT = Path(__file__).resolve().parent.parent
+PAGES = [ROOT / "docs" / name for name in ("trade.md", "speed.md")]
 SHOWN = (
     "step_cost", "size", "numbering", "precision", "polish_cost", "ramp_rates", "continuation",
 )  # fmt: skip
@@ -26,7 +27,7 @@ def lines_of(name: str) -> list[str]:
 
 @pytest.mark.parametrize("name", SHOWN)
 def test_the_tables_of_the_page_are_those_of_the_results(name):
-    docs = (ROOT / "docs" / "trade.md").read_text().splitlines()
+    docs = [line for page in PAGES for line in page.read_text().splitlines()]
     lines = lines_of(name)
     assert len(lines) >= 4
     for line in lines:
@@ -34,7 +35,7 @@ def test_the_tables_of_the_page_are_those_of_the_results(name):
 
 
 def test_the_exponents_of_the_page_are_those_of_the_solvers():
-    docs = (ROOT / "docs" / "trade.md").read_text().splitlines()
+    docs = [line for page in PAGES for line in page.read_text().splitlines()]
     lines = [line for line in lines_of("solvers") if "sizes)" in line]
     assert len(lines) == 10
     for line in lines:

@@ -6,7 +6,7 @@ Haario and Laine, SIAM J. Sci. Comput. 36, A1895 (2014)); constraints are kept i
 mass that the Gaussian has outside is put on the boundary. That is an approximation, exact draws
 of the truncated Gaussian (`scaling.uncertainty.exact_draws`, method="exact") are at hand; the
 intervals are quantiles of either, and their coverage has to be, and is, measured
-(docs/estimators.md).
+(docs/intervals.md).
 
 It turns out that the exact ones enclose less: where constraints decide, what fails is the prior.
 Independent forces that balance are more alike than those of packings, whose f_n spread by 0.67
@@ -163,7 +163,7 @@ def credible_intervals(
 
     Notes
     -----
-    Quantiles of draws from the posterior; the coverage is measured in docs/estimators.md.
+    Quantiles of draws from the posterior; the coverage is measured in docs/intervals.md.
 
     Examples
     --------

@@ -23,7 +23,7 @@ SEED = 5
 LOOP_LAW, BOUND_LAW = 0.5, 2.7
 #: K²/⟨σ⟩² over loops per contact as a polynomial in Z, highest power first: fitted to 18 packings
 #: of 300 grains with other friction, Δ and sizes, none of them drawn here; and b of its growth
-#: 1 + b/N towards small packings, 8.9 ± 0.7 to 10.2 ± 1.0 (docs/estimators.md).
+#: 1 + b/N towards small packings, 8.9 ± 0.7 to 10.2 ± 1.0 (docs/prefactor.md).
 CURVE, CURVE_GRAINS, SIZE = (0.0622, -0.5047, 1.5015), 300, 9.5
 MAPS = tuple(
     (method, noise)

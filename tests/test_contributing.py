@@ -1,0 +1,63 @@
+"""The examples of CONTRIBUTING.md are what they say: new laws, estimators and formats work."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scaling import ContactNetwork, error_map, force_equation, perturb, reconstruct
+from scaling.estimators.table import ESTIMATORS
+from tests.conftest import packing
+from tests.markdown import ROOT, run
+
+
+@pytest.fixture
+def made(monkeypatch, tmp_path):
+    """The names that the examples define, run in an empty folder; the table stays as it is."""
+    monkeypatch.chdir(tmp_path)
+    before = dict(ESTIMATORS)
+    yield run(ROOT / "CONTRIBUTING.md")
+    ESTIMATORS.clear()
+    ESTIMATORS.update(before)
+
+
+def test_the_law_is_one(made):
+    """`overlap` undoes `force`, `slope` is its derivative, both odd."""
+    law = made["Stiffening"](stiffness=3.0, doubling=0.1)
+    δ = np.array([-0.2, -1e-9, 0.0, 1e-9, 1e-3, 0.3])
+    np.testing.assert_allclose(law.overlap(law.force(δ)), δ, rtol=1e-14)
+    step = 1e-7
+    slope = (law.force(δ + step) - law.force(δ - step)) / (2 * step)
+    np.testing.assert_allclose(law.slope(δ), slope, rtol=1e-5)
+
+
+def test_the_law_is_found_by_eq_1_and_not_taken_for_linear(made):
+    """Controls: the linear law of the same κ is off, and `optimal` refuses."""
+    law, network = made["Stiffening"](doubling=1e-3), network_of_overlaps()
+    forces = law.force(network.overlaps)
+    assert reconstruct(network, law, "direct").normal == pytest.approx(forces)
+    assert reconstruct(network, 1.0, "direct").normal != pytest.approx(forces, rel=0.1)
+    with pytest.raises(ValueError, match="linear laws only"):
+        reconstruct(network, law, "optimal", xi=1e-6)
+
+
+def network_of_overlaps() -> ContactNetwork:
+    return ContactNetwork.from_packing(packing(grains=48, delta=1e-3))
+
+
+def test_the_estimator_responds_as_it_finds(made):
+    """E η of its error map is the difference of two solutions, for noise on sizes."""
+    made_of = packing(grains=48, delta=1e-3)
+    network = ContactNetwork.from_packing(made_of)
+    noisy = perturb(network, 1e-5, np.random.default_rng(1))
+    η = 2 * (noisy.radii - network.radii) / (1e-5 * network.mean_diameter)
+    estimator = made["Weighted"](weight=3.0)
+    found = [estimator.solve(force_equation(n).with_law(1.0)).forces for n in (network, noisy)]
+    expected = 1e-5 * error_map(network, "weighted", weight=3.0).matrix @ η
+    np.testing.assert_allclose(found[1] - found[0], expected, atol=1e-9 * abs(expected).max())
+
+
+def test_the_format_names_the_file_that_lacks_something(made, tmp_path):
+    (tmp_path / "half.json").write_text('{"positions": []}')
+    with pytest.raises(ValueError, match=r"half\.json is not a whole packing: radii is missing"):
+        made["read"](tmp_path / "half.json")
