@@ -18,8 +18,8 @@ def test_backbone_takes_rattlers_off_one_after_another():
 
 
 def test_what_a_load_holds_is_no_rattler():
-    """The same chain, its end 5 held from outside: all of it stays; 4 held as well changes nothing,
-    and 3 alone keeps what joins it to the triangle."""
+    """The same chain, its end 5 held from outside: all of it stays; 4 held as well changes
+    nothing, and 3 alone keeps what joins it to the triangle."""
     pairs = np.array([[0, 1], [1, 2], [0, 2], [2, 3], [3, 4], [4, 5]])
 
     def kept(*held: int) -> list[bool]:
