@@ -17,7 +17,8 @@ _METHODS = ("force", "overlap", "slope", "tangential_stiffness", "delta")
 
 def is_law(thing: object) -> TypeGuard[ContactLaw]:
     """Whether it has all that a contact law has to know."""
-    return all(callable(getattr(thing, name, None)) for name in _METHODS)
+    methods = (getattr(thing, name, None) for name in _METHODS)
+    return not isinstance(thing, type) and all(map(callable, methods))
 
 
 def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
