@@ -14,7 +14,6 @@ sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 from packing.version import __version__
 
 project = "packing-forces"
-copyright = "its authors"
 version = release = __version__
 
 root_doc = "docs/index"
@@ -44,6 +43,7 @@ nb_execution_cache_path = "build/notebooks-run"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 600
 nb_merge_streams = True
+nb_output_stderr = "remove"
 nb_render_markdown_format = "myst"
 
 default_role = "code"
@@ -69,4 +69,5 @@ html_css_files = ["style.css"]
 html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
 html_permalinks_icon = "#"

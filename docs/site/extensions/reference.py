@@ -1,7 +1,8 @@
 """Reference pages: the public names of a package, by the room that defines them.
 
 A page under docs/reference holds a line ``<!-- public: scaling: geometry, equation -->`` for each
-module whose names it shows. Names and text come from the code; rooms that are not named follow.
+module whose names it shows, in chapters by the rooms that are named, then by the others; a line
+``<!-- public: packing.boundary -->`` makes no chapters. Names and text come from the code.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ def public(name: str, order: list[str]) -> str:
     above = names(import_module(name.rpartition(".")[0])) if "." in name else []
     written = []
     for place, members in rooms.items():
-        if members and place != name:
+        if members and place != name and order[0]:
             written.append(f"## {place}\n\n{first_line(import_module(place))}\n")
         for member in members:
             kind = "autoclass" if inspect.isclass(getattr(module, member)) else "autofunction"

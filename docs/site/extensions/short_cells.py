@@ -1,18 +1,24 @@
-"""Cells that hold a number or a word stay in one line: they get the class "short"."""
+"""Cells that hold numbers or a word stay in one line: they get the class "short"."""
 
 from __future__ import annotations
+
+import re
 
 from docutils import nodes
 from sphinx.application import Sphinx
 
-LONGEST = 30
-"""Characters: "0.000346 ± 0.00001 (−0.1)" is a number, a sentence is not."""
+LONGEST = 24
+"""Characters of a cell with words."""
+WORD = re.compile(r"[^\W\d]{4,}")
 
 
 def mark(app: Sphinx, tree: nodes.document) -> None:
     """Mark the cells of every table."""
     for cell in tree.findall(nodes.entry):
-        if len(cell.astext()) <= LONGEST and not isinstance(cell.parent.parent, nodes.thead):
+        if isinstance(cell.parent.parent, nodes.thead):
+            continue
+        text = cell.astext()
+        if len(text) <= LONGEST or not WORD.search(text):
             cell["classes"].append("short")
 
 
