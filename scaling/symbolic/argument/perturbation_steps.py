@@ -114,7 +114,31 @@ class DisplacedTriangle:
 
 
 def perturbation_steps() -> tuple[Step, ...]:
-    """Return the expansion as machine-checked steps."""
+    """The error of the forces to second order in the noise, as checked steps.
+
+    Returns
+    -------
+    tuple of Step
+        The exact error, the residuals it comes from, its first and its second order.
+
+    Notes
+    -----
+    With noisy data the solution f' misses the true forces f by
+
+        f' - f = G'⁺ρ' = f₁ + f₂ + O(ε³),      ρ' = t' - G'f = ερ₁ + ε²ρ₂,      G' = G + εA,
+        f₁ = G⁺ρ₁,      f₂ = (GᵀG)⁻¹[Gᵀ(ρ₂ - A f₁) + Aᵀ(ρ₁ - G f₁)] .
+
+    The formulas are those of `scaling.symbolic.argument.perturbation`.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import perturbation_steps
+    >>> steps = perturbation_steps()
+    >>> [step.name for step in steps if "residual" in step.name]
+    ['balance residual', 'closure residual']
+    >>> steps[3].statement, steps[3].holds
+    ('f₁ = G⁺ρ₁ satisfies the normal equations to order ε.', True)
+    """
     matrices, moved = NoisyLeastSquares(), DisplacedTriangle()
     first, second = matrices.normal_equations()
     exact, expanded = moved.residual(), moved.expanded()

@@ -27,13 +27,75 @@ from scaling.symbolic.loops.symbolic_network import SymbolicNetwork
 
 @checked(network=a_network, frictional=flag, matrix=one_of("G", "M", "Q"))
 def rank(network: SymbolicNetwork, frictional: bool = True, matrix: str = "G") -> int:
-    """Return the exact generic rank of G (or of M, with matrix="M")."""
+    """Return the exact rank of a matrix of the network, for generic angles.
+
+    Parameters
+    ----------
+    network : SymbolicNetwork
+        Directions and loops of the contacts.
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+    matrix : str, default "G"
+        "G", "M" (its balance rows) or "Q" (its closure rows).
+
+    Returns
+    -------
+    int
+        The rank over the field of the network's parameters.
+
+    Raises
+    ------
+    ValueError
+        What is no SymbolicNetwork, no truth value, or none of the three matrices.
+
+    Notes
+    -----
+    The forces are unique in least squares when the rank of G is the number of its columns.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import rank, rhombus
+    >>> rank(rhombus()), rhombus().G().shape
+    (10, (16, 10))
+    >>> rank(rhombus(), matrix="M")  # balance leaves one combination of forces open
+    9
+    """
     return ExactField(network).matrix(_named(network, matrix, frictional)).rank()
 
 
 @checked(network=a_network, frictional=flag, matrix=one_of("G", "M", "Q"))
 def null_space(network: SymbolicNetwork, frictional: bool = True, matrix: str = "M") -> Matrix:
-    """Exact null space, one column per vector: the force networks that need no load (M)."""
+    """Exact null space of a matrix of the network.
+
+    Parameters
+    ----------
+    network : SymbolicNetwork
+        Directions and loops of the contacts.
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+    matrix : str, default "M"
+        "G", "M" or "Q".
+
+    Returns
+    -------
+    Matrix
+        One column per vector: (2c, k), or (c, k) without friction and for Q. Those of M are the
+        force networks that need no load.
+
+    Raises
+    ------
+    ValueError
+        What is no SymbolicNetwork, no truth value, or none of the three matrices.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import null_space, rhombus, triangle
+    >>> null_space(triangle()).shape
+    (6, 0)
+    >>> selfstress = null_space(rhombus())
+    >>> selfstress.shape
+    (10, 1)
+    """
     exact = ExactField(network)
     rows = exact.matrix(_named(network, matrix, frictional)).nullspace()
     return rows.to_Matrix().T if rows.shape[0] else sp.zeros(rows.shape[1], 0)
@@ -41,14 +103,66 @@ def null_space(network: SymbolicNetwork, frictional: bool = True, matrix: str = 
 
 @checked(network=a_network, frictional=flag)
 def pseudo_inverse(network: SymbolicNetwork, frictional: bool = True) -> Matrix:
-    """G⁺ = (GᵀG)⁻¹Gᵀ, exact; refused when G does not have full column rank."""
+    """Exact pseudo-inverse of G: from the data of Eq. 1 to the forces.
+
+    Parameters
+    ----------
+    network : SymbolicNetwork
+        Directions and loops of the contacts.
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+
+    Returns
+    -------
+    Matrix
+        G⁺ = (GᵀG)⁻¹Gᵀ, (unknowns, equations).
+
+    Raises
+    ------
+    ValueError
+        What is no SymbolicNetwork or no truth value; a G whose columns depend on each other.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import pseudo_inverse, ring
+    >>> G = ring(3).G(frictional=False)
+    >>> (pseudo_inverse(ring(3), frictional=False) * G.subs(ring(3).fixed)).tolist()
+    [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    """
     G = ExactField(network).matrix(network.G(frictional))
     return _solved(network, G.transpose() * G, G.transpose()).to_Matrix()
 
 
 @checked(network=a_network)
 def loop_gaps(network: SymbolicNetwork) -> Matrix:
-    """Loop sums of the contact diameters, Q|σ⟩: exactly zero when the grains just touch."""
+    """Loop sums of the contact diameters, Q|σ⟩.
+
+    Parameters
+    ----------
+    network : SymbolicNetwork
+        Directions and loops of the contacts, and the radii of touching grains.
+
+    Returns
+    -------
+    Matrix
+        (l, 2) x and y component for each of the l loops, on the scale of the radii. They are
+        exactly zero when the grains just touch.
+
+    Raises
+    ------
+    ValueError
+        What is no SymbolicNetwork.
+
+    Notes
+    -----
+    Distances close around every loop, Q|r⟩ = 0, and r = σ between grains that just touch.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import loop_gaps, triangle
+    >>> loop_gaps(triangle()).tolist()
+    [[0, 0]]
+    """
     exact = ExactField(network)
     vectors = [loop_vector(loop, network.normals, list(network.sigma)) for loop in network.loops]
     return exact.matrix(Matrix(vectors)).to_Matrix()
@@ -56,7 +170,10 @@ def loop_gaps(network: SymbolicNetwork) -> Matrix:
 
 @checked(network=a_network, noise=a_noise)
 def noise_map(network: SymbolicNetwork, noise: str = "diameter") -> Matrix:
-    """A: unit grain noise to δσ_e in units of ⟨σ⟩, (c, N); position noise: -∂r/∂x, (c, 2N)."""
+    """A: unit noise of the grains to δσ_e in units of ⟨σ⟩, (c, N).
+
+    For positions it is -∂r/∂x, (c, 2N): x of all grains, then y.
+    """
     N = network.grains
     A = sp.zeros(network.contacts, 2 * N if noise == "position" else N)
     mean = 2 * sum(network.radii) / N
@@ -91,7 +208,43 @@ def response(
 def squared_gain(
     network: SymbolicNetwork, frictional: bool = True, noise: str = "diameter"
 ) -> Expr:
-    """K², exact: a rational function of the parameters, or an algebraic number."""
+    """Exact squared gain K²: how much noise on the grains is amplified in the forces.
+
+    Parameters
+    ----------
+    network : SymbolicNetwork
+        Directions and loops of the contacts.
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+    noise : str, default "diameter"
+        What is noisy, by 1 ⟨σ⟩ per grain: "diameter", "radius" or "position" (each
+        coordinate); with "relative" each radius is wrong by a factor 1 + η.
+
+    Returns
+    -------
+    Expr
+        K², a rational function of the network's parameters, or an algebraic number.
+
+    Raises
+    ------
+    ValueError
+        What is no SymbolicNetwork, no truth value, or no kind of noise; a G whose columns
+        depend on each other.
+
+    Notes
+    -----
+    K² = ‖G⁺(0 ; Q A)‖_F²/u, with A the map from noise of the grains to δσ_e in ⟨σ⟩ and u the
+    number of unknowns. K² ξ²κ² is the mean square error of one force component for noise of
+    standard deviation ξ⟨σ⟩.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import ring, squared_gain
+    >>> squared_gain(ring(3), frictional=False)
+    1/24
+    >>> squared_gain(ring(3), frictional=False, noise="radius")  # twice the amplitude
+    1/6
+    """
     X, exact = response(network, frictional, noise)
     total = _sum_of_squares([x for row in X.to_list() for x in row], exact.domain)
     return sp.factor(exact.expression(total / exact.domain(X.shape[0])))
