@@ -16,9 +16,30 @@ _METHODS = ("force", "overlap", "slope", "tangential_stiffness", "delta")
 
 
 def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
-    """The law that a ``stiffness`` stands for: a number κ, an array (c,) of them, or a law.
+    """The contact law that a stiffness stands for.
 
-    ValueError: a number that is not positive, named by its contact in an array.
+    Parameters
+    ----------
+    stiffness : float, (c,) array or ContactLaw
+        κ in force per length: one number, one for each contact, or a law, which is returned.
+
+    Returns
+    -------
+    ContactLaw
+        `Linear` for a number, `PerContact` for an array.
+
+    Raises
+    ------
+    ValueError
+        A number that is not positive, named by its contact in an array.
+
+    Examples
+    --------
+    >>> from packing.contact_law import law_of
+    >>> law_of(100.0)
+    Linear(stiffness=100.0, stiffness_ratio=0.5)
+    >>> law_of([100.0, 50.0]).delta(1.0)
+    0.015
     """
     if all(callable(getattr(stiffness, name, None)) for name in _METHODS):
         return cast(ContactLaw, stiffness)
