@@ -24,10 +24,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from benchmarks import (
+    continuation,
     dem_trade,
+    ensembles,
     floor,
     lammps_packing,
     lammps_step,
+    numbering,
+    polish_cost,
+    precision,
     ramps,
     relaxation,
     rounding,
@@ -85,7 +90,7 @@ def _steps(run: Run) -> None:
 def _physics(run: Run) -> None:
     with redirect_stdout(io.StringIO()) as printed:
         step_cost.main()
-    run.keep("step_cost", f"```\n{printed.getvalue().rstrip()}\n```")
+    run.keep("step_cost", printed.getvalue().rstrip())
 
 
 def _finished(run: Run) -> None:
@@ -97,7 +102,28 @@ def _finished(run: Run) -> None:
 
 def _sizes(run: Run) -> None:
     copies = (1, 4, 10, 32) if run.full else (1, 4, 10)
-    run.keep("size", size.text(size.compute(copies), size.efficiency()))
+    run.keep("size", size.text(size.compute(copies)))
+
+
+def _cores(run: Run) -> None:
+    shares = {packings: ensembles.efficiency(packings) for packings in (96, 16)}
+    run.keep("ensembles", ensembles.text(shares))
+
+
+def _numbering(run: Run) -> None:
+    run.keep("numbering", numbering.text(numbering.compute(10)))
+
+
+def _single(run: Run) -> None:
+    full = run.full
+    deltas = [10.0**-k for k in range(1, 7 if full else 5)]
+    table = precision.compute(300 if full else 100, deltas, range(1, 9 if full else 4))
+    run.keep("precision", precision.text(table))
+
+
+def _newton(run: Run) -> None:
+    sizes = (300, 1000, 3000, 10_000) if run.full else (100, 300, 1000)
+    run.keep("polish_cost", polish_cost.text(polish_cost.compute(sizes, range(1, 4))))
 
 
 def _equation(run: Run) -> None:
@@ -142,6 +168,16 @@ def _pressures(run: Run, pool: ProcessPoolExecutor) -> None:
     run.draw("ramps", ramps.plot(table), table)
 
 
+def _paces(run: Run, pool: ProcessPoolExecutor) -> None:
+    found = ramps.rates(pool, 64, range(1, 17 if run.full else 5))
+    run.keep("ramp_rates", ramps.text_of_rates(found))
+
+
+def _continued(run: Run, pool: ProcessPoolExecutor) -> None:
+    found = continuation.compute(pool, 200, range(1, 9 if run.full else 4))
+    run.keep("continuation", continuation.text(found))
+
+
 def _noise(run: Run, pool: ProcessPoolExecutor) -> None:
     table = rounding.compute(_packings(pool, 150, tuple(10.0**-k for k in range(1, 7))))
     off = table["error"] / table["predicted"]
@@ -161,10 +197,13 @@ def _no_noise(run: Run, pool: ProcessPoolExecutor) -> None:
 
 #: Timings against others first, while no other process of ours runs.
 PARTS: dict[str, Callable[[Run], None]] = {
-    "lammps_step": _steps, "step_cost": _physics, "size": _sizes, "lammps_packing": _finished,
+    "lammps_step": _steps, "step_cost": _physics, "size": _sizes, "ensembles": _cores,
+    "numbering": _numbering,
+    "precision": _single, "polish_cost": _newton, "lammps_packing": _finished,
     "solvers": _equation, "dem_trade": _pooled(_trade), "relaxation": _pooled(_rest),
-    "same_packing": _pooled(_resting),
-    "ramps": _pooled(_pressures), "rounding": _pooled(_noise), "floor": _pooled(_no_noise),
+    "same_packing": _pooled(_resting), "ramps": _pooled(_pressures),
+    "ramp_rates": _pooled(_paces), "continuation": _pooled(_continued),
+    "rounding": _pooled(_noise), "floor": _pooled(_no_noise),
 }  # fmt: skip
 
 

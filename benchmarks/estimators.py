@@ -21,7 +21,7 @@ stiffness  wrong by one factor, spread over contacts, or the wrong contact law
 time       per solve against N, with the exponent
 
 Packings come from the store of the figures; missing ones are made (a minute with Numba). What
-ladder, ridge and sensitivity print goes to benchmarks/results/ too, as CSV and figures.
+ladder, ridge, sensitivity and prior print goes to benchmarks/results/ too, as CSV and figures.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ def ways() -> dict[str, Callable[[Scene, int], Packing]]:
 
 
 def _full_drag(scene: Scene, seed: int, progress: bool | None = None) -> Packing:
-    with patch.object(import_module("dem.relax"), "TAIL_DRAG", 1.0):
+    with patch.object(import_module("dem.protocols.relax"), "TAIL_DRAG", 1.0):
         return relax(scene, seed, progress=progress)
 
 
@@ -96,7 +96,7 @@ def exponent(table: np.ndarray, how: str) -> tuple[float, float]:
 
 
 def text(table: np.ndarray) -> str:
-    """A table; ± are standard errors over packings."""
+    """A table; means ± standard errors over packings, steps and residuals as said."""
     lines = [
         "| Δ | how | steps: median (min–max) | s | residual/p | Z | φ | std f_n/⟨f_n⟩ "
         "| off by (Z, φ, std) |",
@@ -124,7 +124,8 @@ def text(table: np.ndarray) -> str:
             lines.append(
                 f"| {delta:.0e} | {name} | {np.median(mine['steps']):.0f} "
                 f"({mine['steps'].min()}–{mine['steps'].max()}) "
-                f"| {mine['seconds'].mean():.2f} "
+                f"| {mine['seconds'].mean():.2f} ± "
+                f"{mine['seconds'].std(ddof=1) / np.sqrt(len(mine)):.2f} "
                 f"| {mine['residual'].max():.0e} | {' | '.join(cells)} "
                 f"| {', '.join(off) if found is not reference else ''} |"
             )

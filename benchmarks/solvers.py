@@ -2,9 +2,10 @@
 
 A periodic packing of 100 grains is tiled n × n; the right-hand side is G f for forces f that are
 the tiled ones times 1 + 0.3 × noise (else an iteration would see one tile only), so that the
-error is the solver's alone.  Time: processor seconds, matrix given, forces wanted; the best of a
-few where one is short.  Memory: growth of the resident set in a process of its own.  GPPSZ write
-the dense normal equations.
+error is the solver's alone.  Time: processor seconds, matrix given, forces wanted; the median of a
+few where one is short.  Memory: growth of the resident set.  Every solve is repeated in three
+processes of its own, the solvers in turns; medians (min–max) over these.  GPPSZ write the dense
+normal equations.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular, svd
 from scipy.sparse import bmat, csc_array, eye_array
 from scipy.sparse.linalg import lsmr, splu
 
+from benchmarks.power import exponent
+from benchmarks.spread import spread
 from benchmarks.tiling import tiled
 from dem import Packing
 from paper_figs.style import MARKERS, plt
@@ -77,18 +80,19 @@ def iterate(tolerance: float) -> Solver:
 #: Name, solver, most grains.
 SOLVERS: dict[str, tuple[Solver, int]] = {
     "normal dense": (normal_dense, 1_600),
-    "SVD": (svd_dense, 400),
-    "QR": (qr_dense, 900),
-    "normal sparse": (normal_sparse, 1_600),
+    "SVD": (svd_dense, 900),
+    "QR": (qr_dense, 1_600),
+    "normal sparse": (normal_sparse, 3_600),
     "augmented": (augmented, 10_000),
     "factor": (factor, 110_000),
     **{f"lsmr {t:.0e}": (iterate(t), 1_000_000) for t in (1e-4, 1e-6, 1e-8, 1e-12)},
 }
 TABLE = np.dtype([
-    ("solver", "U16"), ("grains", int), ("unknowns", int), ("seconds", float), ("MB", float),
-    ("error", float),
+    ("solver", "U16"), ("repeat", int), ("grains", int), ("unknowns", int), ("seconds", float),
+    ("MB", float), ("error", float),
 ])  # fmt: skip
-#: Processor seconds within which a solve is repeated.
+REPEATS = 3
+#: Processor seconds within which a solve is repeated in one process.
 PATIENCE = 0.3
 #: Less memory is hidden in what the process already holds (MB).
 SEEN = 5.0
@@ -101,30 +105,30 @@ def _resident() -> float:
         return int(statm.read().split()[1]) * resource.getpagesize() / 1e6
 
 
-def measure(task: tuple[str, Packing, int]) -> tuple[Any, ...]:
+def measure(task: tuple[str, int, Packing, int]) -> tuple[Any, ...]:
     """One solve in a fresh process."""
-    name, packing, n = task
+    name, repeat, packing, n = task
     network, true = tiled(packing, n)
     G = force_equation(network).G
     true = true * (1 + 0.3 * np.random.default_rng(n).standard_normal(len(true)))
     b = G @ true
-    before, times = _resident(), []
+    before, times, peak = _resident(), [], 0.0
     while not times or sum(times) < PATIENCE:
         start = time.process_time()
         found = SOLVERS[name][0](G, b)
         times.append(time.process_time() - start)
-    seconds = min(times)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-    grains = network.grains
+        peak = peak or resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
     error = relative_error(found, true, frictional=True)
-    return name, grains, G.shape[1], seconds, max(peak - before, 0), error
+    seconds, MB = float(np.median(times)), max(peak - before, 0.0)
+    return name, repeat, network.grains, G.shape[1], seconds, MB, error
 
 
-def compute(packing: Packing, copies: tuple[int, ...]) -> np.ndarray:
+def compute(packing: Packing, copies: tuple[int, ...], repeats: int = REPEATS) -> np.ndarray:
     """All solvers at all sizes they can do."""
     tasks = [
-        (name, packing, n)
+        (name, repeat, packing, n)
         for n in copies
+        for repeat in range(repeats)
         for name, (_, most) in SOLVERS.items()
         if n * n * len(packing.radii) <= most
     ]
@@ -133,39 +137,39 @@ def compute(packing: Packing, copies: tuple[int, ...]) -> np.ndarray:
         return np.array(pool.map(measure, tasks, chunksize=1), TABLE)
 
 
+def by_size(table: np.ndarray, name: str) -> list[np.ndarray]:
+    """The repeats of one solver at each size."""
+    mine = table[table["solver"] == name]
+    return [mine[mine["grains"] == n] for n in np.unique(mine["grains"])]
+
+
 def exponents(table: np.ndarray, column: str) -> dict[str, tuple[float, float, int]]:
-    """Fitted a in seconds (or MB) ~ N^a, its standard error (NaN of two sizes) and the sizes used:
-    the largest ones of each solver, where they can be told from nothing."""
+    """a in seconds (or MB) ~ N^a, its error and the sizes used: the largest ones of each solver,
+    where they can be told from nothing."""
     found = {}
-    for name in dict.fromkeys(table["solver"]):
-        mine = table[table["solver"] == name]
-        mine = mine[mine[column] > (SEEN if column == "MB" else 0)]
-        mine = mine[np.argsort(mine["grains"])][-FITTED:]
-        x, y = np.log(mine["grains"]), np.log(mine[column])
-        if len(mine) > 1:
-            slope, shift = np.polyfit(x, y, 1)
-            off = y - slope * x - shift
-            spare = len(x) - 2
-            error = np.sqrt(off @ off / spare / np.sum((x - x.mean()) ** 2)) if spare else np.nan
-            found[str(name)] = float(slope), float(error), len(mine)
+    for name in dict.fromkeys(table["solver"].tolist()):
+        some = by_size(table, name)
+        some = [r for r in some if r[column].min() > (SEEN if column == "MB" else 0)][-FITTED:]
+        if len(some) > 1:
+            fit = exponent([r["grains"][0] for r in some], [r[column] for r in some])
+            found[name] = *fit, len(some)
     return found
 
 
 def _exponent(fit: tuple[float, float, int] | None) -> str:
-    if fit is None:
-        return "not seen"
-    slope, error, sizes = fit
-    return f"{slope:.1f} (two sizes)" if sizes == 2 else f"{slope:.2f} ± {error:.2f}"
+    return "not seen" if fit is None else f"{fit[0]:.2f} ± {fit[1]:.2f} ({fit[2]} sizes)"
 
 
 def text(table: np.ndarray) -> str:
     """One line per solver and size, then the exponents."""
-    lines = ["| solver | N | s | MB | E |", "|---|---|---|---|---|"]
-    lines += [
-        f"| {r['solver']} | {r['grains']} | {r['seconds']:.2g} | {r['MB']:.0f} "
-        f"| {r['error']:.0e} |"
-        for r in table
-    ]
+    lines = [f"Median (min–max) of {REPEATS} processes; largest E.", "",
+             "| solver | N | s | MB | E |", "|---|---|---|---|---|"]  # fmt: skip
+    for n in np.unique(table["grains"]):
+        for name in dict.fromkeys(table["solver"].tolist()):
+            r = table[(table["solver"] == name) & (table["grains"] == n)]
+            if len(r):
+                lines.append(f"| {name} | {n} | {spread(r['seconds'])} | {spread(r['MB'], '.0f')} "
+                             f"| {r['error'].max():.0e} |")  # fmt: skip
     lines += ["", "| solver | time ~ N^ | memory ~ N^ |", "|---|---|---|"]
     time_of, memory_of = exponents(table, "seconds"), exponents(table, "MB")
     for name in time_of:
@@ -175,22 +179,28 @@ def text(table: np.ndarray) -> str:
 
 
 def plot(table: np.ndarray) -> Figure:
-    """Time against N, memory against N, time against error at the largest common size."""
+    """Time against N, memory against N, time against error at the largest common size; medians,
+    bars from the least to the most."""
     figure, (a, b, c) = plt.subplots(1, 3, figsize=(7.2, 2.9), layout="constrained")
-    names = list(dict.fromkeys(table["solver"]))
+    names = list(dict.fromkeys(table["solver"].tolist()))
     common = max(n for n in np.unique(table["grains"]) if n <= 1000)
     for k, name in enumerate(names):
-        mine = table[table["solver"] == name]
         # Direct methods in colours, lsmr in greys: the darker the more exact.
         tone = f"{0.22 * (len(SOLVERS) - 1 - k):.2f}" if name.startswith("lsmr") else f"C{k}"
         style = {"marker": MARKERS[k % len(MARKERS)], "label": name, "color": tone}
-        a.plot(mine["grains"], mine["seconds"], **style)
-        seen = mine[mine["MB"] > SEEN]
-        b.plot(seen["grains"], seen["MB"], **style)
-        at = mine[mine["grains"] == common]
-        c.plot(at["error"], at["seconds"], linestyle="none", **style)
+        some = by_size(table, name)
+        _bars(a, [r["grains"][0] for r in some], [r["seconds"] for r in some], style)
+        seen = [r for r in some if r["MB"].min() > SEEN]
+        _bars(b, [r["grains"][0] for r in seen], [r["MB"] for r in seen], style)
+        at = table[(table["solver"] == name) & (table["grains"] == common)]
+        _bars(c, [at["error"].max()], [at["seconds"]], style | {"linestyle": "none"})
     a.set(xscale="log", yscale="log", xlabel="grains $N$", ylabel="seconds")
     b.set(xscale="log", yscale="log", xlabel="grains $N$", ylabel="memory (MB)", ylim=(1, None))
     c.set(xscale="log", yscale="log", xlabel=f"error $E$ ($N={common}$)", ylabel="seconds")
     figure.legend(*a.get_legend_handles_labels(), loc="outside lower center", ncol=5)
     return figure
+
+
+def _bars(axes: Any, x: list[float], repeats: list[np.ndarray], style: dict[str, Any]) -> None:
+    y = np.array([np.quantile(some, (0, 0.5, 1)) for some in repeats]).reshape(-1, 3)
+    axes.errorbar(x, y[:, 1], [y[:, 1] - y[:, 0], y[:, 2] - y[:, 1]], **style)

@@ -1,10 +1,10 @@
 """What a time step costs, and what each piece of physics adds to it.
 
-Both backends on packings of N = 1000 at rest at Δ = 1e-3, all cases interleaved in one run; the
-ratios are what to read.  Friction 0 has no history, no rotation, no torques, and a packing of its
-own (that of friction would flow without it, and rebuild its list); a fixed cell has no pressure
-control.  In this model grains turn because friction turns them and friction remembers: a
-scene has both or neither.  What rotation alone costs is timed piece by piece on the NumPy kernel
+Both backends on packings of N = 1000 at rest at Δ = 1e-3, all cases interleaved in one run, median
+(min–max); the ratios are what to read.  Friction 0 has no history, no rotation, no torques, and a
+packing of its own (that of friction would flow without it, and rebuild its list); a fixed cell has
+no pressure control.  In this model grains turn because friction turns them and friction remembers:
+a scene has both or neither.  What rotation alone costs is timed piece by piece on the NumPy kernel
 (surface speeds of a pair, sum of torques, kick of the spins); the rest of what friction adds is
 its history (slip, spring, slider).  Numba's single loop cannot be taken apart like that.
 
@@ -19,6 +19,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from benchmarks.spread import spread
 from dem import ContactLaw, Drive, History, Packing, Scene, State, relax, step
 from dem.motion.kernels.disks_numpy import Motion, contact_forces, kick
 from dem.motion.neighbours import find_neighbours
@@ -51,19 +52,24 @@ def at_rest(packing: Packing) -> State:
     return State(packing.positions, packing.radii, cell=packing.cell, history=history)
 
 
-def steps(packings: dict[bool, Packing], backend: str) -> dict[str, list[float]]:
-    """Time per step of every case, several times over, interleaved."""
-    states = {name: at_rest(packings[law.friction > 0]) for name, (law, _, _) in CASES.items()}
-    spent: dict[str, list[float]] = {name: [] for name in CASES}
+def steps(packings: dict[bool, Packing], backends: list[str]) -> dict[str, dict[str, list[float]]]:
+    """Time per step of every backend and case, several times over, all interleaved."""
+    states = {
+        (backend, name): at_rest(packings[law.friction > 0])
+        for backend in backends
+        for name, (law, _, _) in CASES.items()
+    }
+    spent: dict[str, dict[str, list[float]]] = {b: {name: [] for name in CASES} for b in backends}
     for repeat in range(REPEATS + 1):  # the first is thrown away
-        for name, (law, drive, precision) in CASES.items():
+        for (backend, name), state in states.items():
+            law, drive, precision = CASES[name]
             start = time.process_time()
             step(
-                states[name], law, 0.05, drive=drive, steps=STEPS, skin=0.2, backend=backend,
+                state, law, 0.05, drive=drive, steps=STEPS, skin=0.2, backend=backend,
                 precision=precision,
             )  # fmt: skip
             if repeat:
-                spent[name].append((time.process_time() - start) / STEPS * 1e6)
+                spent[backend][name].append((time.process_time() - start) / STEPS * 1e6)
     return spent
 
 
@@ -92,30 +98,31 @@ def rotation(state: State) -> list[float]:
 
 
 def main() -> None:
-    """Print one table."""
+    """Print one table, in Markdown."""
     packings = {f: relax(Scene(GRAINS, DELTA, friction=0.3 * f), 1) for f in (True, False)}
     backends = ["numpy"] + ["numba"] * (find_spec("numba") is not None)
     rough, smooth = (len(packings[f].pairs) for f in (True, False))
-    print(f"N = {GRAINS}, {rough} contacts ({smooth} frictionless)")
-    print("µs of processor time per step: median (min–max), ratio")
+    print(f"N = {GRAINS}, {rough} contacts ({smooth} frictionless): median (min–max) of {REPEATS}")
+    print("\n| backend | physics | µs per step | over the first, of the same repeat |")
+    print("|---|---|---|---|")
 
-    def show(backend: str, name: str, times: list[float], reference: float) -> None:
-        median = float(np.median(times))
-        print(
-            f"{backend:6} {name:32} {median:6.1f} ({min(times):.1f}–{max(times):.1f})"
-            f"  {median / reference:.2f}"
-        )
+    def show(backend: str, name: str, times: list[float], reference: list[float]) -> None:
+        ratio = spread(np.divide(times, reference), ".2f")
+        print(f"| {backend} | {name} | {spread(times, '.1f')} | {ratio} |")
 
-    for backend in backends:
-        spent = steps(packings, backend)
-        reference = float(np.median(spent[REFERENCE]))
+    found = steps(packings, backends)
+    for backend, spent in found.items():
+        reference = spent[REFERENCE]
         for name, times in spent.items():
             show(backend, name, times, reference)
         if backend == "numpy":
             turning = rotation(at_rest(packings[True]))
-            show(backend, "  of friction: rotation", turning, reference)
-            rest = np.subtract(spent[REFERENCE], spent["frictionless, pressure control"])
-            show(backend, "  of friction: history", list(rest - np.median(turning)), reference)
+            show(backend, "of friction: rotation", turning, reference)
+            rest = np.subtract(reference, spent["frictionless, pressure control"])
+            show(backend, "of friction: history", list(rest - turning), reference)
+    if "numba" in found:
+        times = np.divide(found["numpy"][REFERENCE], found["numba"][REFERENCE])
+        print(f"\n{REFERENCE}: NumPy over Numba, of the same repeat: {spread(times, '.2f')}")
 
 
 if __name__ == "__main__":

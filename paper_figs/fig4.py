@@ -191,7 +191,10 @@ def plot(table: np.ndarray) -> Figure:
 
 
 def text(table: np.ndarray) -> str:
-    """The table E(ξ/Δ) per noise, Δ and estimator, and of the bound, as Markdown."""
+    """The table E(ξ/Δ) per noise, Δ and estimator, and of the bound, as Markdown.
+
+    The bound is C ξ/Δ with the C of `optimal`, whose exact rows (no draw) hold its deviation.
+    """
     head = "| noise | Δ | estimator | " + " | ".join(f"ξ/Δ = {r:g}" for r in RATIOS) + " |"
     lines = [head, "|---|---|---|" + "---|" * len(RATIOS)]
     for noise in ("diameter", "position"):
@@ -209,8 +212,15 @@ def text(table: np.ndarray) -> str:
                     for r in mine
                 ]
                 lines.append(f"| {noise} | {delta:g} | {method} | " + " | ".join(cells) + " |")
-            within = [r for r in RATIOS if r * delta <= LARGEST_XI]
-            cells = [f"{r['bound']:.2g}" if r["ratio"] in within else "" for r in mine]
+            same = (table["noise"] == noise) & (table["delta"] == delta)
+            exact = table[same & (table["method"] == "optimal") & (table["draws"] == 0)][0]
+            deviation = exact["error_sd"] / exact["ratio"]
+            cells = [
+                f"{r['bound']:.2g} ± {one_digit(deviation * r['ratio'])}"
+                if r["ratio"] * delta <= LARGEST_XI
+                else ""
+                for r in mine
+            ]
             lines.append(f"| {noise} | {delta:g} | *bound* | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 

@@ -154,7 +154,11 @@ def text(table: np.ndarray) -> str:
             )
             for m in ("gppsz", "balanced", "direct", "optimal")
         ]
-        lines.append(f"| {delta:g} | {mine['Z'].mean():.2f} | " + " | ".join(cells) + " |")
+        lines.append(
+            f"| {delta:g} | {mine['Z'].mean():.2f} ± {mine['Z'].std(ddof=1):.2f} | "
+            + " | ".join(cells)
+            + " |"
+        )
     return "\n".join(lines)
 
 

@@ -18,9 +18,10 @@ from scaling import ContactNetwork, stress
 TABLE = np.dtype(
     [
         ("delta", float), ("packings", int), ("steps", float), ("steps_min", int),
-        ("steps_max", int), ("inertial_times", float), ("residual", float), ("spring", float),
+        ("steps_max", int), ("inertial_times", float), ("inertial_min", float),
+        ("inertial_max", float), ("residual", float), ("spring", float),
         ("Z", float), ("Z_sd", float),
-        ("solid_fraction", float), ("rattlers", float),
+        ("solid_fraction", float), ("rattlers", float), ("rattlers_sd", float),
         ("C_diameter", float), ("C_radius", float), ("C_sd", float),
         ("pressure_difference", float), ("shear", float),
     ]
@@ -34,14 +35,16 @@ def compute(packings: Sequence[Packing], errors: np.ndarray) -> np.ndarray:
         mine = [p for p in packings if p.delta == delta]
         steps = np.array([p.info["steps"] for p in mine])
         z = np.array([p.coordination for p in mine])
+        times = [p.info["inertial_times"] for p in mine]
+        rattlers = np.array([p.rattlers.mean() for p in mine])
         first = errors[errors["delta"] == delta][0]
         rows.append((
             delta, len(mine), np.exp(np.log(steps).mean()), steps.min(), steps.max(),
-            np.median([p.info["inertial_times"] for p in mine]),
+            np.median(times), min(times), max(times),
             max(p.info["residual"] for p in mine), max(spring_error(p) for p in mine),
             z.mean(), z.std(ddof=1),
             np.mean([p.solid_fraction for p in mine]),
-            np.mean([p.rattlers.mean() for p in mine]),
+            rattlers.mean(), rattlers.std(ddof=1),
             first["C_diameter"], first["C_radius"], first["C_sd"],
             *np.sqrt(np.mean([np.square(anisotropy(p)) for p in mine], axis=0)),
         ))  # fmt: skip
@@ -84,13 +87,21 @@ def collapse_fit(errors: np.ndarray) -> tuple[float, float, float]:
     return scatter[0][0], scatter[0][1], scatter[1][1]
 
 
+def collapse_error(errors: np.ndarray) -> float:
+    """Standard error of that slope: the jackknife over Δ, for cells of one Δ share packings."""
+    deltas = np.unique(errors["delta"])
+    left = np.array([collapse_fit(errors[errors["delta"] != d])[0] for d in deltas])
+    return float(np.sqrt((len(left) - 1) * np.mean((left - left.mean()) ** 2)))
+
+
 def fits(packings: Sequence[Packing], errors: np.ndarray) -> dict[str, float]:
     """What is said below the table: the exponent of the steps, slope and scatter of E."""
     a, da = exponent(packings)
     slope, scatter, alone = collapse_fit(errors)
     return {
         "steps_exponent": a, "steps_exponent_error": da, "collapse_slope": slope,
-        "collapse_scatter": scatter, "scatter_against_xi": alone,
+        "collapse_slope_error": collapse_error(errors), "collapse_scatter": scatter,
+        "scatter_against_xi": alone,
     }  # fmt: skip
 
 
@@ -104,16 +115,25 @@ def text(table: np.ndarray, fits: dict[str, float]) -> str:
     for r in table[::-1]:
         lines.append(
             f"| {r['delta']:.0e} | {r['steps']:.1e} ({r['steps_min']:.1e}–{r['steps_max']:.1e}) "
-            f"| {r['inertial_times']:.0f} | {r['residual']:.0e} | {r['Z']:.2f} ± {r['Z_sd']:.2f} "
-            f"| {r['rattlers']:.1%} | {r['C_diameter']:.3f} ± {r['C_sd']:.3f} "
+            f"| {r['inertial_times']:.0f} ({r['inertial_min']:.0f}–{r['inertial_max']:.0f}) "
+            f"| {r['residual']:.0e} | {r['Z']:.2f} ± {r['Z_sd']:.2f} "
+            f"| {100 * r['rattlers']:.1f} ± {100 * r['rattlers_sd']:.1f} % "
+            f"| {r['C_diameter']:.3f} ± {r['C_sd']:.3f} "
             f"| {r['C_radius']:.3f} ± {2 * r['C_sd']:.3f} "
-            f"| {r['pressure_difference']:.3f}, {r['shear']:.3f} |"
+            f"| {_rms(r['pressure_difference'], r['packings'])}, "
+            f"{_rms(r['shear'], r['packings'])} |"
         )
     lines += [
         "",
         f"Steps grow as Δ^-({fits['steps_exponent']:.2f} ± {fits['steps_exponent_error']:.2f}) "
-        f"for Δ <= 1e-2. All errors, log E against log ξ/Δ: slope {fits['collapse_slope']:.2f}, "
+        f"for Δ <= 1e-2. All errors, log E against log ξ/Δ: slope "
+        f"{fits['collapse_slope']:.2f} ± {fits['collapse_slope_error']:.2f} (jackknife over Δ), "
         f"scatter {fits['collapse_scatter']:.2f} decades; against ξ alone the scatter is "
         f"{fits['scatter_against_xi']:.2f} decades.",
     ]
     return "\n".join(lines)
+
+
+def _rms(value: float, count: int) -> str:
+    """With the standard error of an rms of ``count`` normal values."""
+    return f"{value:.3f} ± {value / np.sqrt(2 * count):.3f}"

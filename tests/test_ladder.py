@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.studies import ladder, ridge, sensitivity
+from benchmarks.studies import ladder, prior, ridge, sensitivity
 from benchmarks.studies.packings import bar, net
 from scaling import perturb, relative_error
 from scaling.estimators.bounded.bounded import bounded_forces
@@ -103,13 +103,13 @@ def test_a_common_factor_of_the_widths_is_not_felt_without_data():
     with data (ξ = 10 Δ) so is the factor."""
     p = small(1)
 
-    def found(prior, xi=None):
-        return bounded_forces(problem_of(p, p.friction, xi=xi, prior=prior))[0]
+    def found(widths, xi=None):
+        return bounded_forces(problem_of(p, p.friction, xi=xi, prior=widths))[0]
 
-    for prior in (Prior(1.0, 2.0, 1.0), Prior(1.0, 0.5, 0.25)):
-        assert relative_error(found(prior), found(None), frictional=True) < 1e-5
+    for widths in (Prior(1.0, 2.0, 1.0), Prior(1.0, 0.5, 0.25)):
+        assert relative_error(found(widths), found(None), frictional=True) < 1e-5
         xi = 10 * p.delta
-        assert relative_error(found(prior, xi), found(None, xi), frictional=True) > 1e-3
+        assert relative_error(found(widths, xi), found(None, xi), frictional=True) > 1e-3
     other = found(Prior(1.0, 1.0, 0.1))
     assert relative_error(other, found(None), frictional=True) > 1e-3
 
@@ -149,7 +149,7 @@ def test_an_error_bar_is_zero_only_if_the_values_are_equal(error, text):
     assert bar(0.1 + error * np.array([-1.0, 1.0])) == text
 
 
-@pytest.mark.parametrize("study", [ladder, ridge, sensitivity])
+@pytest.mark.parametrize("study", [ladder, prior, ridge, sensitivity])
 def test_the_tables_of_the_docs_are_those_of_the_results(study):
     """Every line that a study prints of its committed CSV stands in docs/estimators.md."""
     name = study.__name__.split(".")[-1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.studies.packings import make, net
+from benchmarks.studies.packings import bar, make, net
 from dem import Packing, Scene
 from scaling import cramer_rao, error_map
 
@@ -19,8 +19,8 @@ def positions() -> None:
         K = np.array([[_of_mixed_noise(p, r) for r in ratios] for p in some])
         errors = K.std(axis=0, ddof=1) / np.sqrt(len(some))
         cells = [f"{m:.2g} ± {e:.0g}" for m, e in zip(K.mean(axis=0), errors, strict=True)]
-        Z = np.mean([net(p).coordination for p in some])
-        print(f"| {d:g} | {Z:.2f} | " + " | ".join(cells) + " |", flush=True)
+        Z = bar(np.array([net(p).coordination for p in some]))
+        print(f"| {d:g} | {Z} | " + " | ".join(cells) + " |", flush=True)
 
 
 def _of_mixed_noise(p: Packing, ratio: float) -> float:

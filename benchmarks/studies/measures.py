@@ -44,5 +44,8 @@ def measures(
         values = np.array([np.concatenate([prefactors(p), prefactors(p, "radius")]) for p in some])
         cells = [f"{m:.3f} ± {s:.3f}" for m, s in zip(
             values.mean(axis=0), values.std(axis=0, ddof=1), strict=True)]  # fmt: skip
-        Z = np.mean([net(p).coordination for p in some])
-        print(f"| {delta:g} | {mu:g} | {Z:.2f} | {' | '.join(cells)} |", flush=True)
+        Z = np.array([net(p).coordination for p in some])
+        print(
+            f"| {delta:g} | {mu:g} | {Z.mean():.2f} ± {Z.std(ddof=1):.2f} | {' | '.join(cells)} |",
+            flush=True,
+        )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.studies.packings import SEED, bar, full, make, net
+from benchmarks.studies.packings import SEED, bar, full, make, net, publish
 from dem import Packing, Scene
 from scaling import perturb, relative_error
 from scaling.estimators.bounded.bounded import bounded_forces
@@ -13,31 +13,54 @@ from scaling.noise.noise_model import sources
 from scaling.uncertainty.credible_intervals import coverage, enclosing, posterior_draws, widened
 from scaling.uncertainty.exact_draws import truncated_draws
 
-RATIOS = {"1/10": 0.1, "1/4": 0.25, "1/2 (default)": 0.5, "1": 1.0, "2": 2.0, "10": 10.0}
-"""Standard deviation of f_t over that of f_n."""
-PACKINGS = 8
+RATIOS = {0.1: "1/10", 0.25: "1/4", 0.5: "1/2 (default)", 1.0: "1", 2.0: "2", 10.0: "10"}
+"""Standard deviation of f_t over that of f_n, and how it is written."""
+PACKINGS, DELTAS = 8, (1e-2, 1e-4)
+STRENGTHS = (0.1, 1.0, 10.0, np.inf)
+LARGEST_XI = 0.05
+TABLE = np.dtype([
+    ("tangential", float), ("delta", float), ("ratio", float), ("seed", int), ("error", float),
+])  # fmt: skip
+
+
+def compute(grains: int = 300, count: int = PACKINGS) -> np.ndarray:
+    """E of `bounded` for every ratio of the prior's widths, Δ, ξ/Δ and packing."""
+    rows = []
+    for delta in DELTAS:
+        some = make([Scene(grains, delta)] * count, range(count))
+        for tangential in RATIOS:
+            choice = Prior(tangential=tangential)
+            for ratio in STRENGTHS:
+                if LARGEST_XI < ratio * delta < np.inf:
+                    continue
+                for seed, p in enumerate(some):
+                    error = _bounded_error(p, ratio * delta, choice)
+                    rows.append((tangential, delta, ratio, seed, error))
+    return np.array(rows, TABLE)
+
+
+def text(table: np.ndarray) -> str:
+    """Mean ± standard error over packings."""
+    heads = ["ξ = ∞" if np.isinf(s) else f"ξ = {s:g} Δ".replace(" 1 ", " ") for s in STRENGTHS]
+    lines = ["| sd of f_t over that of f_n | Δ | " + " | ".join(heads) + " |", "|---" * 6 + "|"]
+    for tangential, name in RATIOS.items():
+        for delta in DELTAS:
+            mine = table[(table["tangential"] == tangential) & (table["delta"] == delta)]
+            groups = [mine[mine["ratio"] == s]["error"] for s in STRENGTHS]
+            cells = [bar(e) if len(e) else "" for e in groups]
+            lines.append(f"| {name} | {delta:g} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
 
 
 def prior() -> None:
-    """E of `bounded` over the ratio of the prior's widths: noise on positions, and ξ = ∞.
+    """E of `bounded` over the ratio of the prior's widths: noise on positions, and ξ = ∞; CSV.
 
     What a common factor of both widths does is shown by `ridge`; at ξ = ∞ it does nothing, as the
     most probable forces are then the nearest to the mean, in units of the widths.
     """
-    print("| sd of f_t over that of f_n | Δ | ξ = 0.1 Δ | ξ = Δ | ξ = 10 Δ | ξ = ∞ |")
-    print("|---" * 6 + "|")
-    for name, tangential in RATIOS.items():
-        for d in (1e-2, 1e-4):
-            some, cells = make([Scene(300, d)] * PACKINGS, range(PACKINGS)), []
-            for strength in (0.1, 1.0, 10.0, np.inf):
-                if 0.05 < strength * d < np.inf:
-                    cells.append("")
-                    continue
-                choice = Prior(tangential=tangential)
-                cells.append(
-                    bar(np.array([_bounded_error(p, strength * d, choice) for p in some]))
-                )
-            print(f"| {name} | {d:g} | " + " | ".join(cells) + " |", flush=True)
+    table = compute()
+    print(text(table))
+    publish("prior", table, grains=300, packings=PACKINGS, noise_seed=SEED)
 
 
 def posterior_of(p: Packing, xi: float, choice: Prior | None = None) -> Posterior:
@@ -65,7 +88,6 @@ COVERAGE = (
     (100, 1.0, (1e-3,), 3, (ONE, TWO)),
     (1000, 0.3, (1e-2, 1e-4), 2, (ONE, TWO, EXACT)),
 )
-STRENGTHS = (0.1, 1.0, 10.0, np.inf)
 
 
 def measure_coverage() -> None:
@@ -84,7 +106,7 @@ def measure_coverage() -> None:
             else:
                 some = [full(d, k) for k in range(count)]
             for strength in STRENGTHS:
-                if 0.05 < strength * d < np.inf:
+                if LARGEST_XI < strength * d < np.inf:
                     continue
                 for method, spread in ways:
                     v = np.array([_covered(p, strength * d, method, spread) for p in some])

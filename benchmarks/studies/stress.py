@@ -22,7 +22,7 @@ import numpy as np
 from scipy.linalg import null_space, qr, svdvals
 from scipy.sparse import csr_array, vstack
 
-from benchmarks.studies.packings import SEED, make, net
+from benchmarks.studies.packings import SEED, bar, make, net
 from dem import Packing, Scene
 from packing.arguments.arrays import Floats
 from scaling import ContactNetwork, force_equation, perturb, relative_error
@@ -182,8 +182,8 @@ def stress(groups: Sequence[tuple[int, float, float, int]] = GROUPS) -> None:
         errors = values.std(axis=0, ddof=1) / np.sqrt(count)
         cells = [f"{m:.4f} ± {e:.4f}" if m > 0.01 else f"{m:.1e} ± {e:.0e}"
                  for m, e in zip(values.mean(axis=0), errors, strict=True)]  # fmt: skip
-        Z = np.mean([net(p).coordination for p in packings])
-        print(f"| {grains} | {mu:g} | {delta:g} | {Z:.2f} | {'; '.join(ranks)} | "
+        Z = bar(np.array([net(p).coordination for p in packings]))
+        print(f"| {grains} | {mu:g} | {delta:g} | {Z} | {'; '.join(ranks)} | "
               f"{' | '.join(cells)} |", flush=True)  # fmt: skip
     told(groups[:4])
 

@@ -36,7 +36,7 @@ def loose_state(scene: Scene, rng: np.random.Generator) -> State:
     sides = _sides(radii, scene.aspect)
     positions = rng.uniform(0, 1, (scene.grains, 2)) * sides
     if scene.grains >= STRIPS_FROM:
-        positions = positions[_along_strips(positions)]
+        positions = positions[along_strips(positions)]
     state = State(positions, radii, cell=np.diag(sides))
     z = state.positions.view(complex)[:, 0]
     near = None
@@ -81,7 +81,7 @@ def _sides(radii: Floats, aspect: float) -> Floats:
     return sides
 
 
-def _along_strips(positions: Floats) -> Ints:
+def along_strips(positions: Floats) -> Ints:
     """Order up one strip and down the next."""
     strip = np.floor(positions[:, 0] / STRIP_WIDTH).astype(np.int64)
     return np.lexsort((np.where(strip % 2, -1, 1) * positions[:, 1], strip))
