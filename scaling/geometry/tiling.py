@@ -22,11 +22,36 @@ _PER_GRAIN, _PER_CONTACT = 150, 300
 
 
 def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
-    """`copies` × `copies` times the periodic `network`; copy a holds grains a N ... a N + N - 1.
+    """Copies of a periodic network side by side, in a cell that is as many times as large.
 
-    Contacts stay in order within each copy; see `tiled_forces`. Directions that were measured, and
-    low parts, are repeated too. ValueError: no cell, no positions, or a number of copies that
-    is not 1, 2, ...
+    Parameters
+    ----------
+    network : ContactNetwork
+        A periodic network with positions.
+    copies : int
+        n >= 1 copies along each lattice vector, n² in all.
+
+    Returns
+    -------
+    ContactNetwork
+        Copy a holds grains a N ... a N + N - 1. Contacts stay in order within each copy; see
+        `tiled_forces`. Loads, directions that were measured and low parts are repeated too.
+
+    Raises
+    ------
+    ValueError
+        No cell, no positions, a number of copies that is not 1, 2, ..., or more grains than
+        memory holds.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scaling import ContactNetwork, tiled
+    >>> one = ContactNetwork(
+    ...     [(0.5, 0.5)], [0.5], [(0, 0), (0, 0)], cell=0.99 * np.eye(2), images=[(1, 0), (0, 1)]
+    ... )
+    >>> tiled(one, copies=3)
+    ContactNetwork(9 grains, 18 contacts, periodic)
     """
     instance("network", network, ContactNetwork)
     n, N = whole_number("copies", copies, 1), network.grains
@@ -67,9 +92,37 @@ def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
 
 
 def tiled_forces(network: ContactNetwork, forces: ArrayLike, copies: int) -> Floats:
-    """The forces of `network`, (2c,) or (c,), in the order of the contacts of `tiled`.
+    """The forces of a network in the order of the contacts of its copies.
 
-    ValueError: another number of forces, one that is not finite, or of copies.
+    Parameters
+    ----------
+    network : ContactNetwork
+        The network that is repeated by `tiled`.
+    forces : (2c,) or (c,) array
+        Its forces: f_n then f_t, or f_n alone.
+    copies : int
+        n >= 1 copies along each lattice vector.
+
+    Returns
+    -------
+    (2 n² c,) or (n² c,) array
+        f_n of all contacts of ``tiled(network, copies)``, then f_t if it was given.
+
+    Raises
+    ------
+    ValueError
+        Another number of forces, one that is not finite, a number of copies that is not
+        1, 2, ..., or more grains than memory holds.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scaling import ContactNetwork, tiled_forces
+    >>> one = ContactNetwork(
+    ...     [(0.5, 0.5)], [0.5], [(0, 0), (0, 0)], cell=0.99 * np.eye(2), images=[(1, 0), (0, 1)]
+    ... )
+    >>> tiled_forces(one, [1.0, 2.0], copies=2).tolist()
+    [1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0]
     """
     c = instance("network", network, ContactNetwork).contacts
     n = whole_number("copies", copies, 1)
