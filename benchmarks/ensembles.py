@@ -12,8 +12,8 @@ import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from typing import Any
 
-from benchmarks.spread import spread
 from dem import Packing, Scene, relax, relax_ensemble
+from studies.error_bars import spread
 
 Shares = tuple[list[float], list[float]]
 
@@ -31,7 +31,7 @@ class _Clocked(Executor):
 def _clock(fn: Any, args: Any, kwargs: Any) -> Packing:
     begin = time.perf_counter()
     packing = fn(*args, **kwargs)
-    packing.info["wall"] = time.perf_counter() - begin
+    packing = packing.noted(wall=time.perf_counter() - begin)
     return packing
 
 
@@ -55,7 +55,7 @@ def efficiency(packings: int, grains: int = 300, repeats: int = 5) -> Shares:
                 )
                 spent.append(time.perf_counter() - begin)
             gain.append(spent[0] / (workers * spent[1]))
-            busy.append(sum(p.info["wall"] for p in made) / (workers * spent[1]))
+            busy.append(sum(p.provenance.notes["wall"] for p in made) / (workers * spent[1]))
     return gain, busy
 
 

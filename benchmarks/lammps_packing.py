@@ -22,7 +22,7 @@ import numpy as np
 
 from dem import Scene, Settings, relax
 from dem.protocols.loose_gas import loose_state
-from paper_figs.command import counts
+from studies.command_line import counts
 
 #: Δ -> (final drag, gain of the pressure control, steps between looks), tuned by hand.
 TUNED = {
@@ -74,7 +74,7 @@ def by_us(scene: Scene, seed: int, settings: Settings) -> tuple[int, float, floa
     """Steps, processor seconds, residual."""
     start = time.process_time()
     p = relax(scene, seed, settings=settings, progress=False)
-    return p.info["steps"], time.process_time() - start, p.info["residual"]
+    return p.provenance.steps, time.process_time() - start, p.provenance.residual
 
 
 def compute(grains: int, seeds: int, deltas: list[float]) -> list[dict[str, Any]]:

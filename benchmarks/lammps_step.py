@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
-from paper_figs.command import counts
+from studies.command_line import counts
 
 DELTA, SKIN, TIME_STEP, STEPS = 1e-3, 0.2, 0.05, 1000
 
@@ -102,7 +102,7 @@ def ours(packing: Packing, backend: str, pressure_control: bool) -> Callable[[],
         return (time.perf_counter() - start) / steps * 1e6
 
     run(10)
-    run.pairs = len(state._near.pairs)  # type: ignore[attr-defined]
+    run.pairs = len(state.reached.near.pairs)  # type: ignore[attr-defined]
     return run
 
 

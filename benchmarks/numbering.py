@@ -15,11 +15,11 @@ from unittest.mock import patch
 import numpy as np
 
 from benchmarks.size import BASE, DELTA
-from benchmarks.spread import spread
 from benchmarks.tiling import tiled
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
 from dem.motion.kernels.disks_numpy import BLOCK
 from dem.protocols.loose_gas import along_strips
+from studies.error_bars import spread
 
 REPEATS = 5
 STRIPS, RANDOM, ONE_PIECE = "along strips", "at random", "along strips, pairs in one piece"

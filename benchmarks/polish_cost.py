@@ -15,8 +15,8 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.spread import spread
 from dem import Scene, relax
+from studies.error_bars import spread
 
 DELTA = 1e-2
 TABLE = np.dtype([
@@ -41,7 +41,7 @@ def measure(grains: int, seed: int) -> tuple[Any, ...]:
     with patch.object(module, "polish", timed):
         p = relax(Scene(grains, DELTA), seed, progress=False)
     seconds = time.process_time() - begin
-    return grains, seed, p.info["steps"], len(spent), sum(spent), seconds - sum(spent)
+    return grains, seed, p.provenance.steps, len(spent), sum(spent), seconds - sum(spent)
 
 
 def compute(sizes: Iterable[int], seeds: Iterable[int]) -> np.ndarray:

@@ -16,7 +16,6 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.spread import spread
 from dem import (
     ContactLaw,
     Drive,
@@ -29,8 +28,9 @@ from dem import (
     relax,
     step,
 )  # fmt: skip
-from dem.motion.step import PRECISIONS
+from dem.motion.backends import PRECISIONS
 from scaling import ContactNetwork, reconstruct, relative_error
+from studies.error_bars import spread
 
 #: Inertial times after which a packing counts as not coming to rest (float64 needs 10 to 80).
 LONGEST = 300.0
@@ -71,7 +71,7 @@ def measure(delta: float, grains: int, seed: int) -> list[tuple[Any, ...]]:
         spent = time.process_time() - start
         error = relative_error(reconstruct(ContactNetwork.from_packing(p), p.stiffness), p)
         rows.append((
-            delta, seed, precision, noise, p.info["steps"], spent, p.coordination,
+            delta, seed, precision, noise, p.provenance.steps, spent, p.coordination,
             p.solid_fraction, error, True,
         ))  # fmt: skip
     return rows

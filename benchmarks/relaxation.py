@@ -24,11 +24,9 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from dem import NotRelaxed, Packing, PolishFailed, Scene, Settings, relax, stiffen
-from paper_figs.command import counts
-from paper_figs.style import MARKERS, new_figure
+from studies.command_line import counts
 
 TABLE = np.dtype([
     ("how", "U24"), ("delta", float), ("seed", int), ("steps", int), ("seconds", float),
@@ -71,7 +69,7 @@ def measure(task: tuple[str, float, int, int]) -> tuple[Any, ...]:
     spent = time.process_time() - start
     spread = p.normal_forces.std() / p.normal_forces.mean()
     return (
-        how, delta, seed, p.info["steps"], spent, p.info["residual"], p.coordination,
+        how, delta, seed, p.provenance.steps, spent, p.provenance.residual, p.coordination,
         p.solid_fraction, spread,
     )  # fmt: skip
 
@@ -134,34 +132,6 @@ def text(table: np.ndarray) -> str:
             a, error = exponent(table, str(how))
             lines.append(f"\n{how}: steps ~ Δ^-({a:.2f} ± {error:.2f})")
     return "\n".join(lines)
-
-
-def plot(table: np.ndarray) -> Figure:
-    """Steps, median and range, and Z less the default's with its standard error, against Δ."""
-    figure, (a, b) = new_figure(4.2, 2, sharex=True)
-    ways = list(dict.fromkeys(table["how"]))
-    good = table[table["steps"] > 0]
-    for k, (how, marker) in enumerate(zip(ways, MARKERS, strict=False)):
-        mine = good[good["how"] == how]
-        deltas = np.unique(mine["delta"])
-        groups = [mine[mine["delta"] == d] for d in deltas]
-        usual = [good[(good["how"] == ways[0]) & (good["delta"] == d)] for d in deltas]
-        beside = deltas * 1.09 ** (k - len(ways) // 2)
-        steps = np.array([np.quantile(g["steps"], (0, 0.5, 1)) for g in groups]).T
-        a.errorbar(
-            beside, steps[1], [steps[1] - steps[0], steps[2] - steps[1]], marker=marker,
-            linewidth=0.7, elinewidth=0.5, label=str(how),
-        )  # fmt: skip
-        b.errorbar(
-            beside, [g["Z"].mean() - u["Z"].mean() for g, u in zip(groups, usual, strict=True)],
-            [g["Z"].std(ddof=1) / np.sqrt(len(g)) for g in groups],
-            marker=marker, linestyle="none",
-        )  # fmt: skip
-    a.set(xscale="log", yscale="log", ylabel="steps to rest (min, median, max)")
-    b.axhline(0, color="0.5", linestyle=":", linewidth=0.8, zorder=0)
-    b.set(xlabel=r"deformation $\Delta=p/\kappa$", ylabel=r"$Z-Z_\mathrm{default}$")
-    a.legend()
-    return figure
 
 
 def main() -> None:

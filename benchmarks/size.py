@@ -19,11 +19,11 @@ from importlib.util import find_spec
 import numpy as np
 from scipy.sparse.linalg import lsmr
 
-from benchmarks.spread import spread
 from benchmarks.tiling import tiled
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
-from dem.motion.step import PRECISIONS
+from dem.motion.backends import PRECISIONS
 from scaling import force_equation
+from studies.error_bars import spread
 
 DELTA, BASE = 1e-3, 1000
 #: Below, a packing is smaller than what the allocator holds ready.
@@ -108,7 +108,8 @@ def _assemble(task: tuple[Packing, int]) -> list[Row]:
     return [("assembly", network.grains, spent)]
 
 
-def _assembly_memory(task: tuple[Packing, int]) -> Memory:
+def assembly_memory(task: tuple[Packing, int]) -> Memory:
+    """What assembly of G allocates, in bytes per grain."""
     networks = [tiled(*task)[0] for _ in range(2)]
     grains = networks[0].grains
     return "assembly", grains, *_memory(lambda: force_equation(networks.pop()).G, grains)
@@ -145,7 +146,7 @@ def compute(copies: tuple[int, ...]) -> tuple[list[Row], list[Memory]]:
         for _ in range(FRESH):
             steps = [(b, p, *task) for b in backends for p in PRECISIONS for task in tasks]
             memory += pool.map(_step_memory, steps, chunksize=1)
-            for part in (_assembly_memory, _solve_memory):
+            for part in (assembly_memory, _solve_memory):
                 memory += pool.map(part, tasks, chunksize=1)
     return [row for some in rows for row in some], memory
 

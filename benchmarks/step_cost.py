@@ -19,11 +19,12 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from benchmarks.spread import spread
 from dem import ContactLaw, Drive, History, Packing, Scene, State, relax, step
-from dem.motion.kernels.disks_numpy import Motion, contact_forces, kick
+from dem.motion.kernels.disks_numpy import contact_forces, kick
+from dem.motion.kernels.motion import Motion
 from dem.motion.neighbours import find_neighbours
-from paper_figs.command import counts
+from studies.command_line import counts
+from studies.error_bars import spread
 
 DELTA, GRAINS, STEPS, REPEATS = 1e-3, 1000, 300, 9
 PRESSED, FIXED = Drive(drag=DELTA**0.5, pressure=DELTA), Drive(drag=DELTA**0.5)

@@ -7,12 +7,16 @@ reconstruction; what it hands on is a record of plain arrays, ``Packing``.
 """
 
 from dem.balance.newton import PolishFailed
-from dem.motion.drive import ContactLaw, Drive
-from dem.motion.state import History, State
+from dem.model.drive import Drive
+from dem.model.history import History
+from dem.model.law import ContactLaw
+from dem.motion.state import State
 from dem.motion.step import step
-from dem.protocols.ensemble import packing_key, relax_ensemble
+from dem.protocols.ensembles.ensemble import relax_ensemble
+from dem.protocols.ensembles.key import packing_key
+from dem.protocols.not_relaxed import NotRelaxed
 from dem.protocols.ramp import ramp
-from dem.protocols.relax import NotRelaxed, relax
+from dem.protocols.relax import relax
 from dem.protocols.stiffen import refine, stiffen
 from dem.scene import Scene
 from dem.settings import Settings

@@ -6,16 +6,24 @@ diameters), friction, sizes, shape of the cell.  Units: κ = ρ = ⟨σ⟩ = 1, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import pi, sqrt
+from typing import Any
 
+import numpy as np
+
+from dem.model.law import elastic_law
+from dem.model.law_record import law_record
 from packing.arguments.numbers import (
+    LARGEST,
     number_from_zero,
     positive_number,
     real_number,
     shown,
     whole_number,
 )
+from packing.contact_law import ContactLaw as ElasticLaw
+from packing.contact_law import Linear, is_law
 
 #: Below three grains there is no loop, hence no force equation.  A grain in motion takes 0.6 kB:
 #: ten millions are as many as a large machine holds.
@@ -40,20 +48,39 @@ class Scene:
 
     Parameters
     ----------
-    grains : number of disks, from 3 to 1e7.
-    delta : Δ = p/κ in [1e-18, 0.2].
-    friction : Coulomb coefficient μ from 0 to 1e140; 0 models neither history nor rotation.
-    polydispersity : radii are drawn uniformly within ± this fraction of 1/2, in [0, 1), and then
-        rescaled to mean 1/2: the largest of few grains may exceed the fraction by as much as the
-        mean that was drawn fell short.
-    stiffness_ratio : k_t/k_n of the tangential spring, from 1e-6 to 1e3.
-    aspect : width over height of the cell; none of the two less than 1.25 of the largest grain.
-    contact : "linear", f_n = κ δ.
-    boundary : "periodic", isotropic pressure control.
+    grains : int
+        Number of disks, from 3 to 1e7.
+    delta : float
+        Δ = p/κ in [1e-18, 0.2], the deformation of the grains in mean diameters; of a law that
+        is not linear the overlap that the pressure p makes, p⟨σ⟩ = f(Δ).
+    friction : float
+        Coulomb coefficient μ from 0 to 1e140; 0 models neither history nor rotation.
+    polydispersity : float
+        Radii are drawn uniformly within ± this fraction of 1/2, in [0, 1), and then rescaled to
+        mean 1/2: the largest of few grains may exceed the fraction by as much as the mean that
+        was drawn fell short.
+    stiffness_ratio : float
+        k_t/k_n of the tangential spring, from 1e-6 to 1e3; a law that is not linear has its own.
+    aspect : float
+        Width over height of the cell; none of the two less than 1.25 of the largest grain.
+    contact : str or packing.contact_law.ContactLaw
+        "linear", f_n = κ δ, or a law: a frozen dataclass of plain numbers.
+    boundary : str
+        "periodic", isotropic pressure control.
 
     Raises
     ------
-    ValueError : naming the argument and its value.
+    ValueError
+        Naming the argument and its value.
+
+    Notes
+    -----
+    Units κ = ρ = ⟨σ⟩ = 1, so that p = Δ.
+
+    Examples
+    --------
+    >>> Scene(grains=500, delta=1e-4).pressure
+    0.0001
     """
 
     grains: int
@@ -62,7 +89,7 @@ class Scene:
     polydispersity: float = 0.3
     stiffness_ratio: float = 0.5
     aspect: float = 1.0
-    contact: str = "linear"
+    contact: str | ElasticLaw = "linear"
     boundary: str = "periodic"
 
     def __post_init__(self) -> None:
@@ -89,10 +116,47 @@ class Scene:
                 f"[{SMALLEST_RATIO:g}, {LARGEST_RATIO:g}]"
             )
         self._check_width()
+        if is_law(self.contact) and not isinstance(self.contact, type):
+            self._take(self.contact)
         for name, only in (("contact", "linear"), ("boundary", "periodic")):
             value = getattr(self, name)
-            if not (isinstance(value, str) and value == only):
+            if not (is_law(value) or (isinstance(value, str) and value == only)):
                 raise ValueError(f"{name} = {shown(value)} is not built yet; use {only!r}")
+
+    def _take(self, contact: ElasticLaw) -> None:
+        """A law in place of linear springs; those are what they are called."""
+        ratio = contact.stiffness_ratio if isinstance(contact, Linear) else None
+        if self.stiffness_ratio not in (Scene.stiffness_ratio, ratio):
+            raise ValueError(
+                f"stiffness_ratio = {self.stiffness_ratio} and contact = {contact!r}, which has "
+                "its own tangential springs"
+            )
+        if isinstance(contact, Linear):
+            if contact.stiffness != 1:
+                raise ValueError(f"contact = {contact!r}: a scene is in units of κ = 1")
+            object.__setattr__(self, "contact", "linear")
+            object.__setattr__(self, "stiffness_ratio", ratio)
+            return
+        law_record(elastic_law(contact))
+        if not 0 < self.pressure <= LARGEST:
+            raise ValueError(f"contact = {contact!r} has a force of {self.pressure} at Δ")
+
+    @property
+    def law(self) -> ElasticLaw:
+        """The elastic law of its contacts."""
+        if isinstance(self.contact, str):
+            return Linear(1.0, self.stiffness_ratio)
+        return self.contact
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether contacts are linear springs."""
+        return isinstance(self.contact, str)
+
+    def plain(self) -> dict[str, Any]:
+        """Its fields as plain values, for the record of a packing."""
+        known = {f.name: getattr(self, f.name) for f in fields(self)}
+        return known if self.is_linear else known | {"contact": law_record(self.law)}
 
     def _check_width(self) -> None:
         """No draw of the radii makes the cell wide enough: their mean square is at most
@@ -109,8 +173,10 @@ class Scene:
 
     @property
     def pressure(self) -> float:
-        """The pressure p = Δ κ, with κ = 1."""
-        return self.delta
+        """The pressure p = Δ κ, with κ = 1; of another law p = f(Δ)/⟨σ⟩."""
+        if self.is_linear:
+            return self.delta
+        return float(self.law.force(np.array([self.delta]))[0])
 
 
 def check_smallest_delta(delta: float) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
-from dem.motion.step import check_backend, check_precision
+from dem.motion.backends import check_backend, check_precision
 from packing.arguments.numbers import SMALLEST, flag, number_from_zero, positive_number
 
 #: What each setting may be, in its unit.  Below a skin of 1e-3 the list is made anew at every
@@ -91,6 +92,10 @@ class Settings:
                 f"dashpot = {self.dashpot} with time_step = {self.time_step} is unstable: their "
                 f"product may be {most:.3g} at most"
             )
+
+    def plain(self) -> dict[str, Any]:
+        """Its fields as plain values, for the record of a packing."""
+        return asdict(self)
 
     @property
     def speed(self) -> float:

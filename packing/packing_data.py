@@ -17,6 +17,7 @@ from packing.arguments.arrays import Floats, Integers
 from packing.boundary import Boundary, boundary_of
 from packing.doubledouble import DoubleDouble, hypot
 from packing.immutable import Immutable
+from packing.provenance import Provenance
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +35,16 @@ class PackingData(Immutable):
     stiffness: float
     pressure: float
     friction: float
-    info: dict[str, Any] = field(default_factory=dict)
+    stiffness_ratio: float | None = None
+    provenance: Provenance = field(default_factory=Provenance)
     positions_low: Floats | None = None
     radii_low: Floats | None = None
     cell_low: Floats | None = None
+
+    @property
+    def info(self) -> dict[str, Any]:
+        """The provenance as one new dictionary: what earlier versions had in its place."""
+        return self.provenance.plain()
 
     @property
     def width(self) -> float:

@@ -3,35 +3,76 @@
 from __future__ import annotations
 
 import os
+from copy import copy
 from dataclasses import dataclass, fields
+from typing import Any
 
 from packing.arguments.arrays import frozen, real_array, whole_array
-from packing.arguments.numbers import file_path, number_from_zero, positive_number
+from packing.arguments.numbers import file_path, instance, number_from_zero, positive_number
 from packing.files.npz import read_record, write_record
-from packing.notes import plain_notes
 from packing.packing_data import PackingData
+from packing.provenance import Provenance
 from packing.validity import check_packing
 
 
 @dataclass(frozen=True, eq=False)
 class Packing(PackingData):
-    """Force-bearing contacts between non-rattlers; all grains, in their order.
+    """A packing at rest: force-bearing contacts between non-rattlers; all grains, in their order.
 
-    ``positions (N, 2)``, ``radii (N,)``, ``cell (2, 2)`` with lattice vectors as rows (None if
-    open), ``pairs (c, 2)``, ``images (c, 2)`` integer shifts of j, ``normal_forces (c,)``,
-    ``tangential_forces (c,)``, ``external (N, 3)`` force and torque, ``stiffness`` κ,
-    ``pressure`` p, ``friction`` μ; ``info``: steps, residuals, seed, settings, versions.
-    Lengths in ⟨σ⟩, forces in κ⟨σ⟩ when made by ``relax``.  Arrays are read-only copies; ``info``
-    is a copy too, plain values only (see ``notes``), and open to further notes.
-
-    ``positions_low``, ``radii_low``, ``cell_low``: None, or what the doubles leave out (value =
-    high + low, |low| no more than an ulp of high); with them ``overlaps`` are good to 16 digits
-    at any Δ.
+    Parameters
+    ----------
+    positions : (N, 2) array
+        Centres x.
+    radii : (N,) array
+        Radii R.
+    cell : (2, 2) array or None
+        Lattice vectors as rows; None if open.
+    pairs : (c, 2) array
+        Grains i < j of each contact (i = j through an image).
+    images : (c, 2) array
+        Whole shifts of j in lattice vectors.
+    normal_forces : (c,) array
+        f_n, compression positive.
+    tangential_forces : (c,) array
+        f_t along the normal turned by +90°.
+    external : (N, 3) array
+        Force and torque on grains from outside.
+    stiffness : float
+        κ, force per length.
+    pressure : float
+        p, force per length.
+    friction : float
+        Coulomb coefficient μ.
+    stiffness_ratio : float, optional
+        k_t/κ of the tangential springs; None if nobody knows.
+    provenance : Provenance
+        Scene, seed, settings, versions, steps, residual: where the packing comes from.
+    positions_low, radii_low, cell_low : arrays, optional
+        What the doubles leave out (value = high + low, |low| no more than an ulp of high); with
+        them ``overlaps`` are good to 16 digits at any Δ.
 
     Raises
     ------
-    ValueError : wrong types or shapes, NaN, a radius not positive, an unknown grain, a contact
-        that does not touch, a grain whose forces do not balance; each with its number.
+    ValueError
+        Wrong types or shapes, NaN, a radius not positive, an unknown grain, a contact that does
+        not touch, a grain whose forces do not balance; each with its number.
+
+    Notes
+    -----
+    Equilibrium of grain i: Σ_e (-f_n n + f_t t) s_ie + F_ext,i = 0 and Σ_e R_i f_t,e + T_ext,i =
+    0, to 1e-2 p⟨σ⟩.  Lengths in ⟨σ⟩, forces in κ⟨σ⟩ when made by ``relax``.  Arrays are read-only
+    copies.
+
+    Examples
+    --------
+    Two disks pressed together by a force of one overlap:
+
+    >>> packing = Packing(
+    ...     [[0, 0], [0.99, 0]], [0.5, 0.5], None, [[0, 1]], [[0, 0]], [0.01], [0],
+    ...     [[0.01, 0, 0], [-0.01, 0, 0]], stiffness=1, pressure=0.01, friction=0.3,
+    ... )
+    >>> packing.coordination, f"{packing.delta:g}"
+    (1.0, '0.01')
     """
 
     def __post_init__(self) -> None:
@@ -62,18 +103,27 @@ class Packing(PackingData):
         for name in ("stiffness", "pressure"):
             object.__setattr__(self, name, positive_number(name, getattr(self, name)))
         object.__setattr__(self, "friction", number_from_zero("friction", self.friction))
-        object.__setattr__(self, "info", plain_notes(self.info))
+        if self.stiffness_ratio is not None:
+            ratio = positive_number("stiffness_ratio", self.stiffness_ratio)
+            object.__setattr__(self, "stiffness_ratio", ratio)
+        instance("provenance", self.provenance, Provenance)
         check_packing(self)
+
+    def noted(self, **facts: Any) -> Packing:
+        """The packing with more on record: fields of its provenance, or notes; arrays shared."""
+        new = copy(self)
+        object.__setattr__(new, "provenance", self.provenance.noted(**facts))
+        return new
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write an npz (no pickle), complete or not at all: a new file replaces the old.
 
-        ValueError for a path that can be no file, and for ``info`` that no file could hold.
+        ValueError for a path that can be no file.
         """
         target = file_path("path", path)
-        arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "info"}
+        arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "provenance"}
         there = {name: array for name, array in arrays.items() if array is not None}
-        write_record(target, there, plain_notes(self.info))
+        write_record(target, there, self.provenance.plain())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Packing:
@@ -85,6 +135,6 @@ class Packing(PackingData):
         source = file_path("path", path)
         arrays, info = read_record(source)
         try:
-            return cls(**{"cell": None} | arrays, info=info)
+            return cls(**{"cell": None} | arrays, provenance=Provenance.of_plain(info))
         except ValueError as error:
             raise ValueError(f"{source} is not a packing: {error}") from error

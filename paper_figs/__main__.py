@@ -1,94 +1,107 @@
-"""The figures and their table: packings first.
+"""The figures, each drawn from its table, and the tables that the docs quote.
 
-python -m paper_figs            quick: a minute, to build/figures/
-python -m paper_figs --full     publication version, to figures/
+python -m paper_figs                        quick: a minute, to build/figures/
+python -m paper_figs --full                 publication version, to figures/
+python -m paper_figs --from-tables --full   from the committed tables, in seconds
+
+The tables are made first, by the studies; with --from-tables those are drawn that are there.  The
+figures of the docs lie beside their tables in build/results/ or results/; those of timings need
+the tables of ``python -m benchmarks``.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from os.path import relpath
 from pathlib import Path
+from types import ModuleType
 
-import numpy as np
-
-from dem import Packing
-from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7, table1
-from paper_figs.command import one_of, parser
-from paper_figs.packings import FULL, QUICK, Edition, prepare
-from paper_figs.style import write, write_table
-
-FIGURES = {
-    figure.__name__.split(".")[-1]: figure for figure in (fig1, fig2, fig3, fig4, fig5, fig6, fig7)
-}
-NAMES = (*FIGURES, "table1")
-CAPTIONS = {
-    "fig4": "Fig. 4: E against noise, ± standard deviation over packings",
-    "fig5": "Fig. 5: C = E/(ξ/Δ), noise on diameters, on positions",
-    "fig7": "Fig. 7: contacts read off noisy positions, and what E they leave",
-}
+from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7
+from paper_figs.pages import dem_trade, floor, ladder, ramps, relaxation, ridge, rounding, solvers
+from paper_figs.style import write
+from studies.command_line import one_of, parser
+from studies.packing_store import Edition
+from studies.registry import OF_FIGURES, STUDIES
+from studies.run import Run
+from studies.tables import read_facts, read_table
 
 
-def make(name: str, packings: Sequence[Packing], edition: Edition) -> tuple[Path, np.ndarray]:
-    """Write one figure: its PNG, and the numbers in it."""
-    figure = FIGURES[name]
-    table = figure.compute(packings, edition)
-    shown = (figure.choose(packings),) if hasattr(figure, "choose") else ()
-    drawn = figure.plot(table, *shown)
-    return write(drawn, edition.folder, name, table, figure.facts(packings, edition))[0], table
+def _by_name(*modules: ModuleType) -> dict[str, ModuleType]:
+    return {module.__name__.rpartition(".")[2]: module for module in modules}
 
 
-def tabulate(packings: Sequence[Packing], errors: np.ndarray, edition: Edition) -> str:
-    """Write table 1 from the ``errors`` of figure 1; what it says in words."""
-    rows = table1.compute(packings, errors)
-    fits = table1.fits(packings, errors)
-    facts = fig1.facts(packings, edition) | {"fits": fits}
-    write_table(edition.folder / "table1.csv", rows, facts)
-    return table1.text(rows, fits)
+FIGURES = _by_name(fig1, fig2, fig3, fig4, fig5, fig6, fig7)
+PAGES = _by_name(ladder, ridge, dem_trade, relaxation, floor, rounding, ramps, solvers)
+NAMES = (*FIGURES, "table1", *PAGES)
+USUAL = (*FIGURES, "table1")
+STUDY_OF = {table: study for study, (table, _) in OF_FIGURES.items()}
+"""Of the tables whose study has another name."""
 
 
-def write_all(
-    names: Sequence[str],
-    packings: Sequence[Packing],
-    edition: Edition,
-    report: Callable[[str], None],
-) -> None:
-    """Write what is named; print the tables that the docs quote."""
-    edition.folder.mkdir(parents=True, exist_ok=True)
-    tables, said = {}, []
-    for name in FIGURES:
-        if name in names:
-            path, tables[name] = make(name, packings, edition)
-            report(relpath(path))
-    if "table1" in names:
-        errors = tables["fig1"] if "fig1" in tables else fig1.compute(packings, edition)
-        said.append(tabulate(packings, errors, edition))
-    said += [f"{CAPTIONS[k]}\n\n{FIGURES[k].text(tables[k])}" for k in CAPTIONS if k in tables]
-    report(f"PNG, PDF and CSV are in {relpath(edition.folder)}/")
-    for text in said:
-        print("\n" + text)
+def tables_of(name: str) -> tuple[str, ...]:
+    """The tables that a figure draws, or table 1 itself."""
+    return ("table1",) if name == "table1" else (FIGURES | PAGES)[name].TABLES
+
+
+def folder_of(name: str, edition: Edition) -> Path:
+    """Where a figure and its tables lie."""
+    return edition.results if name in PAGES else edition.figures
+
+
+def missing(name: str, edition: Edition) -> list[str]:
+    """Those of its tables that are not there."""
+    folder = folder_of(name, edition)
+    return [table for table in tables_of(name) if not (folder / f"{table}.csv").exists()]
+
+
+def draw(name: str, edition: Edition) -> list[Path]:
+    """PNG and PDF of one figure, from its tables."""
+    folder, module = folder_of(name, edition), (FIGURES | PAGES)[name]
+    paths = [folder / f"{table}.csv" for table in module.TABLES]
+    figure = module.plot(*map(read_table, paths))
+    return write(figure, folder, name, read_facts(paths[0]))
+
+
+def compute(names: Sequence[str], run: Run) -> None:
+    """The tables of all that is named, each once."""
+    for table in dict.fromkeys(t for name in names for t in tables_of(name)):
+        study = STUDY_OF.get(table, table)
+        if study in STUDIES:
+            STUDIES[study](run)
+
+
+def draw_all(names: Sequence[str], run: Run, named: bool) -> None:
+    """Draw what has its tables; for what is ``named`` and has none, say what makes them."""
+    for name in names:
+        gone = missing(name, run.edition)
+        if gone and named:
+            studies = [STUDY_OF.get(table, table) for table in gone]
+            made = ", ".join(
+                f"studies {s}" if s in STUDIES else f"benchmarks --only {s}" for s in studies
+            )
+            path = relpath(folder_of(name, run.edition) / f"{gone[0]}.csv")
+            raise SystemExit(f"{name}: there is no {path}; made by python -m {made}")
+        if not gone and name != "table1":
+            run.report(relpath(draw(name, run.edition)[0]))
 
 
 def main(words: Sequence[str] | None = None) -> None:
-    """Write everything an edition holds, or what is named."""
+    """Make the paper's figures and table 1, or what is named."""
     line = parser("paper_figs", __doc__)
     line.add_argument("--full", action="store_true", help="the publication edition")
+    line.add_argument("--from-tables", action="store_true", help="compute nothing")
     line.add_argument(
-        "--only", nargs="+", metavar="NAME", type=one_of(NAMES, "figure"), default=list(NAMES),
+        "--only", nargs="+", metavar="NAME", type=one_of(NAMES, "figure"),
         help=f"of {', '.join(NAMES)}",
     )  # fmt: skip
     arguments = line.parse_args(words)
-    edition = FULL if arguments.full else QUICK
-    start = time.perf_counter()
-
-    def report(what: str) -> None:
-        print(f"{time.perf_counter() - start:5.0f} s  {what}", flush=True)
-
-    report(f"{edition.name} edition: N = {edition.grains}, {edition.packings} packings per Δ")
-    packings = prepare(edition)
-    report("packings at rest")
-    write_all(arguments.only, packings, edition, report)
+    run = Run.of(arguments.full)
+    usual = NAMES if arguments.from_tables else USUAL
+    if not arguments.from_tables:
+        about = f"N = {run.edition.grains}, {run.edition.packings} packings per Δ"
+        run.report(f"{run.edition.name} edition: {about}")
+        compute(arguments.only or usual, run)
+    draw_all(arguments.only or usual, run, named=arguments.only is not None)
 
 
 if __name__ == "__main__":

@@ -7,49 +7,14 @@ prefactor C = E/(ξ/Δ) per Δ, for both ways to read "noise on the grain radii"
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from matplotlib.figure import Figure
 
-from dem import Packing
-from paper_figs.packings import Edition
-from paper_figs.style import MARKERS, colour, new_figure, power_of_ten, provenance
-from scaling import collapse
+from paper_figs.style import MARKERS, colour, new_figure, power_of_ten
+from studies.prefactors.collapse import LARGEST_XI
 
+TABLES = ("fig1",)
 COMMENT = 0.3  # the slope of the dashed line of the Comment's Fig. 1b
-LARGEST_XI = 0.05  # ⟨σ⟩; beyond, radii turn negative
-SEED = 116_078_001
-
-SUMMARY = np.dtype(
-    [
-        ("delta", float), ("xi", float), ("ratio", float), ("error", float),
-        ("error_sd", float), ("error_normal", float), ("packings", int), ("draws", int),
-        ("C_diameter", float), ("C_radius", float), ("C_sd", float),
-    ]
-)  # fmt: skip
-
-
-def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
-    """E per Δ and ξ/Δ: rms over draws and packings, with the standard deviation of the
-    packings' and draws' E; and C with its standard deviation over packings."""
-    table = collapse(
-        packings, edition.ratios, np.random.default_rng(SEED),
-        draws=edition.draws, noise="diameter", xi_max=LARGEST_XI,
-    )  # fmt: skip
-    rows = []
-    for delta in sorted(set(table["delta"])):
-        mine = table[table["delta"] == delta]
-        prefactor = mine["C"][np.unique(mine["packing"], return_index=True)[1]]
-        for ratio in sorted(set(mine["ratio"])):
-            cell = mine[mine["ratio"] == ratio]
-            rows.append((
-                delta, ratio * delta, ratio, np.sqrt(np.mean(cell["error"] ** 2)),
-                np.std(cell["error"], ddof=1), np.sqrt(np.mean(cell["error_normal"] ** 2)),
-                len(prefactor), len(cell) // len(prefactor),
-                prefactor.mean(), 2 * prefactor.mean(), np.std(prefactor, ddof=1),
-            ))  # fmt: skip
-    return np.array(rows, SUMMARY)
 
 
 def plot(table: np.ndarray) -> Figure:
@@ -95,12 +60,3 @@ def plot(table: np.ndarray) -> Figure:
     c.text(0.03, 0.87, "(c)", transform=c.transAxes)
     c.legend(loc="upper center")
     return figure
-
-
-def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
-    """What the metadata say."""
-    return provenance(
-        figure="1", edition=edition.name, grains=edition.grains, noise_seed=SEED,
-        packing_seeds=[p.info["seed"] for p in packings], noise="diameter",
-        error_bars="standard deviation over packings and noise draws",
-    )  # fmt: skip

@@ -9,36 +9,12 @@ estimates, good to 1e-3 (column ``exact`` of the table).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from matplotlib.figure import Figure
 
-from dem import Packing
-from paper_figs.packings import Edition
-from paper_figs.style import new_figure, provenance
-from scaling import ContactNetwork, force_equation
+from paper_figs.style import new_figure
 
-TABLE = np.dtype(
-    [
-        ("packing", int), ("delta", float), ("rms", float), ("largest", float),
-        ("singular_min", float), ("singular_max", float), ("exact", int),
-    ]
-)  # fmt: skip
-
-
-def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
-    """Per packing: rms and largest entry of Q|σ⟩/Δ in ⟨σ⟩, extreme singular values of G."""
-    rows = []
-    for k, packing in enumerate(packings):
-        equation = force_equation(ContactNetwork.from_packing(packing))
-        sums = equation.Q @ equation.network.sigma / packing.delta
-        values = equation.conditioning
-        rows.append((
-            k, packing.delta, np.sqrt(np.mean(sums**2)), np.abs(sums).max(),
-            values.smallest, values.largest, int(values.exact),
-        ))  # fmt: skip
-    return np.array(rows, TABLE)
+TABLES = ("fig2",)
 
 
 def plot(table: np.ndarray) -> Figure:
@@ -71,12 +47,3 @@ def plot(table: np.ndarray) -> Figure:
         axes.text(0.03, 0.9, name, transform=axes.transAxes)
         axes.legend(loc="lower left")
     return figure
-
-
-def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
-    """What the metadata say."""
-    return provenance(
-        figure="2", edition=edition.name, grains=edition.grains,
-        packing_seeds=[p.info["seed"] for p in packings],
-        error_bars="standard deviation over packings",
-    )  # fmt: skip

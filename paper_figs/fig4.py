@@ -6,150 +6,18 @@ directions almost determine the forces.  (b) Noise on the positions, exact diame
 linear and unbiased beats the bound, `optimal` attains it to first order; `bounded` saturates at
 what directions, balance, a prior, the true pressure, f_n >= 0 and the true friction say (dashed;
 one by one in the study `ladder`), below the flat guess f_n = f̄ (dotted).
-
-Where E is linear in the noise, it is the mean over all noise, from the exact error map: for noise
-on diameters at any ξ, for noise on positions up to ξ = 1e-3 ⟨σ⟩. Elsewhere, and for `bounded`,
-it is one draw per packing.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
-from importlib.util import find_spec
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from dem import Packing
-from paper_figs.packings import Edition
-from paper_figs.style import MARKERS, new_figure, one_digit, power_of_ten, provenance
-from scaling import (
-    ContactNetwork,
-    amplification,
-    cramer_rao,
-    flat_guess,
-    mean_force,
-    perturb,
-    reconstruct,
-    relative_error,
-)
+from paper_figs.style import COLOURS, MARKERS, new_figure, power_of_ten
+from studies.estimators.estimator_errors import DELTAS
 
-DELTAS = (1e-6, 1e-4, 1e-2)
-RATIOS = (0.01, 0.1, 1.0, 10.0, 100.0)
-LARGEST_XI = 0.05
-LINEAR_UP_TO = 1e-3
-"""ξ of positions in ⟨σ⟩ up to which first order is the whole: what is left out is O(ξ) of it."""
-SEED = 4
-COLOURS = {
-    "gppsz": "#D55E00", "balanced": "#E69F00", "direct": "#999999",
-    "optimal": "#0072B2", "bounded": "#009E73",
-}  # fmt: skip
-LINEAR = ("gppsz", "balanced", "direct", "optimal")
-TABLE = np.dtype(
-    [
-        ("noise", "U8"), ("delta", float), ("ratio", float), ("method", "U8"), ("error", float),
-        ("error_sd", float), ("packings", int), ("draws", int), ("bound", float), ("flat", float),
-        ("prior", float), ("prior_sd", float),
-    ]
-)  # fmt: skip
-
-
-def chosen(packings: Sequence[Packing], edition: Edition) -> list[list[Packing]]:
-    """Per Δ, the first half of its packings."""
-    count = max(2, edition.packings // 2)
-    return [[p for p in packings if p.delta == d][:count] for d in DELTAS]
-
-
-def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
-    """E per noise, Δ, ξ/Δ and method: rms over packings and its standard deviation, of exact means
-    (0 draws) or one draw each; with the bound, and the levels of the flat guess and of `bounded`
-    at ξ = ∞."""
-    rows = []
-    for group in chosen(packings, edition):
-        levels = np.array([_levels(p) for p in group])
-        for noise in ("diameter", "position"):
-            prefactors = [_prefactors(p, noise) for p in group]
-            bound = np.mean([C["optimal"] for C in prefactors])
-            errors = {m: np.full((len(RATIOS), len(group)), np.nan) for m in COLOURS}
-            for k, (p, C) in enumerate(zip(group, prefactors, strict=True)):
-                generators = np.random.default_rng(SEED + k).spawn(len(RATIOS))
-                for r, (ratio, rng) in enumerate(zip(RATIOS, generators, strict=True)):
-                    if ratio * p.delta <= LARGEST_XI:
-                        for method, error in _errors(p, C, ratio, noise, rng).items():
-                            errors[method][r, k] = error
-            for method, values in errors.items():
-                for ratio, e in zip(RATIOS, values, strict=True):
-                    exact = method in LINEAR and linear(noise, ratio * group[0].delta)
-                    rows.append((
-                        noise, group[0].delta, ratio, method, *_rms(e), int(not exact),
-                        bound * ratio,
-                        levels[:, 0].mean(), levels[:, 1].mean(), levels[:, 1].std(ddof=1),
-                    ))  # fmt: skip
-    return np.array(rows, TABLE)
-
-
-def _rms(errors: np.ndarray) -> tuple[float, float, int]:
-    """Of those that were found: root mean square, standard deviation, number."""
-    e = errors[np.isfinite(errors)]
-    if len(e) == 0:
-        return np.nan, np.nan, 0
-    return float(np.sqrt(np.mean(e**2))), float(np.std(e, ddof=min(1, len(e) - 1))), len(e)
-
-
-def linear(noise: str, xi: float) -> bool:
-    """Whether errors of the linear methods are those of the exact error map."""
-    return noise == "diameter" or xi <= LINEAR_UP_TO
-
-
-def _prefactors(p: Packing, noise: str) -> dict[str, float]:
-    """C of E = C ξ/Δ, exact, of every linear method; of `optimal` it is that of the bound."""
-    network = ContactNetwork.from_packing(p)
-    forces: dict = {"forces": p.forces, "pressure": p.pressure}
-    given: dict = {"data": "sizes"}
-    if noise == "position":
-        forces |= {"stiffness": p.stiffness}
-        given = {"forces": p.forces, "stiffness": p.stiffness}
-    C = {m: amplification(network, m, noise, **forces) for m in LINEAR if m != "optimal"}
-    bound = cramer_rao(network, noise, **given)
-    return C | {"optimal": bound.gain * p.pressure / mean_force(p)}
-
-
-def _errors(
-    p: Packing, C: dict[str, float], ratio: float, noise: str, rng: np.random.Generator
-) -> dict[str, float]:
-    """E per method: exact means where these are linear, else of one draw."""
-    xi = ratio * p.delta
-    noisy = perturb(ContactNetwork.from_packing(p), xi, rng, noise)
-    weights = {"xi": xi, "noise": noise, "data": "sizes" if noise == "diameter" else "all"}
-    limits = {"friction": p.friction, "pressure": p.pressure}
-    arguments: dict[str, dict] = {m: {} for m in LINEAR} | {"optimal": weights}
-    if find_spec("clarabel"):
-        arguments["bounded"] = weights | limits
-    errors = {}
-    for method, a in arguments.items():
-        if method in LINEAR and linear(noise, xi):
-            errors[method] = C[method] * ratio
-            continue
-        try:
-            errors[method] = relative_error(reconstruct(noisy, p.stiffness, method, **a), p)
-        except (ValueError, RuntimeError):
-            if method != "bounded":
-                raise
-            errors[method] = np.nan  # nothing feasible, or a breakdown of the solver
-    return errors
-
-
-def _levels(p: Packing) -> tuple[float, float]:
-    """E of the flat guess, and of `bounded` without any size or distance."""
-    network = ContactNetwork.from_packing(p)
-    flat = relative_error(flat_guess(network, p.pressure), p.forces)
-    if not find_spec("clarabel"):
-        return flat, np.nan
-    blind = reconstruct(
-        network, p.stiffness, "bounded", xi=np.inf, friction=p.friction, pressure=p.pressure
-    )
-    return flat, relative_error(blind, p)
+TABLES = ("fig4",)
 
 
 def plot(table: np.ndarray) -> Figure:
@@ -188,49 +56,3 @@ def plot(table: np.ndarray) -> Figure:
     shapes.append(Line2D([], [], color=COLOURS["bounded"], linestyle="--", label="no lengths"))
     figure.legend(handles=colours + shapes, loc="outside lower center", ncols=4)
     return figure
-
-
-def text(table: np.ndarray) -> str:
-    """The table E(ξ/Δ) per noise, Δ and estimator, and of the bound, as Markdown.
-
-    The bound is C ξ/Δ with the C of `optimal`, whose exact rows (no draw) hold its deviation.
-    """
-    head = "| noise | Δ | estimator | " + " | ".join(f"ξ/Δ = {r:g}" for r in RATIOS) + " |"
-    lines = [head, "|---|---|---|" + "---|" * len(RATIOS)]
-    for noise in ("diameter", "position"):
-        for delta in sorted(DELTAS, reverse=True):
-            for method in COLOURS:
-                mine = table[
-                    (table["noise"] == noise)
-                    & (table["delta"] == delta)
-                    & (table["method"] == method)
-                ]
-                cells = [
-                    ""
-                    if np.isnan(r["error"])
-                    else f"{r['error']:.2g} ± {one_digit(r['error_sd'])}"
-                    for r in mine
-                ]
-                lines.append(f"| {noise} | {delta:g} | {method} | " + " | ".join(cells) + " |")
-            same = (table["noise"] == noise) & (table["delta"] == delta)
-            exact = table[same & (table["method"] == "optimal") & (table["draws"] == 0)][0]
-            deviation = exact["error_sd"] / exact["ratio"]
-            cells = [
-                f"{r['bound']:.2g} ± {one_digit(deviation * r['ratio'])}"
-                if r["ratio"] * delta <= LARGEST_XI
-                else ""
-                for r in mine
-            ]
-            lines.append(f"| {noise} | {delta:g} | *bound* | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
-
-
-def facts(packings: Sequence[Packing], edition: Edition) -> dict[str, object]:
-    """What the metadata say."""
-    seeds = [p.info["seed"] for group in chosen(packings, edition) for p in group]
-    return provenance(
-        figure="4", edition=edition.name, grains=edition.grains, noise_seed=SEED,
-        packing_seeds=seeds, xi_max=LARGEST_XI,
-        data="sizes and exact directions for noise on diameters, else sizes and distances",
-        error_bars="standard deviation over packings; exact means over noise where draws = 0",
-    )  # fmt: skip

@@ -11,20 +11,33 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.patches import Circle
 
-from dem import Packing
+
+@dataclass(frozen=True)
+class Cell:
+    """The grains ``(N, 2)``, ``(N,)`` of a rectangular periodic cell with ``sides`` ``(2,)``."""
+
+    positions: np.ndarray
+    radii: np.ndarray
+    sides: np.ndarray
+
+    @classmethod
+    def of(cls, grains: np.ndarray) -> Cell:
+        """From the table ``grains``, in which the sides repeat."""
+        sides = np.array([grains["width"][0], grains["height"][0]])
+        return cls(np.column_stack([grains["x"], grains["y"]]), grains["radius"], sides)
 
 
 @dataclass(frozen=True)
 class Window:
     """A square of side ``width`` about ``centre``, both in ⟨σ⟩, no wider than the cell."""
 
-    packing: Packing
+    cell: Cell
     centre: Sequence[float]
     width: float
 
     def copies(self, points: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
         """Indices ``(m,)`` and places ``(m, 2)`` of all copies within ``margin`` of the window."""
-        sides = np.diag(self.packing.cell)
+        sides = self.cell.sides
         low = np.asarray(self.centre) - self.width / 2
         base = points - np.floor((points - low) / sides) * sides
         found = [base + np.array(shift) * sides for shift in product((-1, 0, 1), repeat=2)]
@@ -34,8 +47,8 @@ class Window:
 
     def grains(self, axes: Axes, colours: np.ndarray | None = None, **style: object) -> None:
         """Draw the grains, coloured by one number each if ``colours`` are given."""
-        radii = self.packing.radii
-        index, places = self.copies(self.packing.positions, float(radii.max()))
+        radii = self.cell.radii
+        index, places = self.copies(self.cell.positions, float(radii.max()))
         discs = [Circle(x, radii[k]) for k, x in zip(index, places, strict=True)]
         if colours is not None:
             style["array"] = colours[index]

@@ -10,28 +10,28 @@ from packing.contact_search import infer_contacts
 from packing.version import __version__
 from scaling.algebra.conditioning import Conditioning
 from scaling.equation.force_equation import ForceEquation, force_equation
-from scaling.estimators.bounded.posterior import flat_guess
+from scaling.estimators.bounded.prior import Prior
+from scaling.estimators.flat_guess import flat_guess
 from scaling.estimators.misfit import ImplausibleNoiseWarning
 from scaling.estimators.plausibility import BeyondFrictionWarning
-from scaling.estimators.reconstruction import Reconstruction, reconstruct
+from scaling.estimators.reconstruct import reconstruct
+from scaling.estimators.reconstruction import Reconstruction
+from scaling.estimators.to_pressure import to_pressure
 from scaling.geometry.coarse_coordinates import CoarseCoordinatesWarning
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.geometry.tiling import tiled, tiled_forces
 from scaling.geometry.topology.loops import Loops
 from scaling.noise.conventions import perturb
-from scaling.noise.systematic import (
-    forces_of_overlaps,
-    rescaled,
-    rounded,
-    stiffness_response,
-    to_pressure,
-)
+from scaling.noise.systematic import rescaled, rounded
 from scaling.observables.stress import stress
 from scaling.uncertainty.amplification import amplification, amplification_of, gain
 from scaling.uncertainty.collapse import collapse
 from scaling.uncertainty.cramer_rao import cramer_rao
-from scaling.uncertainty.error_map import ErrorMap, error_map, worst_pattern
+from scaling.uncertainty.credible_intervals import credible_intervals
+from scaling.uncertainty.error_map import ErrorMap
+from scaling.uncertainty.linear_response import error_map, worst_pattern
 from scaling.uncertainty.relative_error import mean_force, relative_error
+from scaling.uncertainty.wrong_stiffness import forces_of_overlaps, stiffness_response
 
 __all__ = [
     "BeyondFrictionWarning",
@@ -42,12 +42,14 @@ __all__ = [
     "ForceEquation",
     "ImplausibleNoiseWarning",
     "Loops",
+    "Prior",
     "Reconstruction",
     "__version__",
     "amplification",
     "amplification_of",
     "collapse",
     "cramer_rao",
+    "credible_intervals",
     "error_map",
     "flat_guess",
     "force_equation",

@@ -1,1 +1,1 @@
-"""What the figures and pages show, computed and written as tables."""
+"""What the figures and pages show, computed and written as tables: `python -m studies`."""

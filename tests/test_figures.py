@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from dataclasses import replace
-from pathlib import Path
 
 import matplotlib
 import numpy as np
 import pytest
 
-from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7, table1
-from paper_figs.__main__ import write_all
-from paper_figs.packings import DELTAS, FULL, QUICK, ROOT, seed_of
-from paper_figs.periodic import Window
-from paper_figs.style import write
+from benchmarks.__main__ import PARTS
+from paper_figs import __main__ as figures
+from paper_figs.periodic import Cell, Window
 from scaling import (
     ContactNetwork,
     amplification_of,
@@ -26,6 +21,15 @@ from scaling import (
     relative_error,
     stress,
 )
+from studies.estimators import estimator_errors
+from studies.experiment import experiment_errors
+from studies.one_packing import error_maps, force_chains, grains
+from studies.packing_store import DELTAS, FULL, QUICK, ROOT, seed_of
+from studies.packings import packing_table
+from studies.prefactors import collapse, loop_sums, prefactor_laws
+from studies.registry import STUDIES
+from studies.run import Run
+from studies.tables import provenance, read_facts, read_table, write_table
 from tests.conftest import packing
 
 GRAINS = 40
@@ -37,15 +41,22 @@ def packings():
     return [packing(grains=GRAINS, delta=d, seed=k) for d in DELTAS for k in (1, 2)]
 
 
-def read(path: Path) -> tuple[dict, list[dict[str, str]]]:
-    lines = path.read_text().splitlines()
-    return json.loads(lines[0].removeprefix("# ")), list(csv.DictReader(lines[1:]))
+def drawn(name, folder, table, facts, other=None):
+    """PNG and PDF of a figure, drawn from its CSV."""
+    edition = replace(SMALL, figures=folder)
+    write_table(folder / f"{name}.csv", table, provenance(**facts))
+    if other is not None:
+        write_table(folder / "grains.csv", other, {})
+    paths = figures.draw(name, edition)
+    assert [p.name for p in paths] == [f"{name}.png", f"{name}.pdf"]
+    assert all(p.stat().st_size > 0 for p in paths)
+    return paths
 
 
 def test_figure_1_collapses_with_slope_one(packings, tmp_path):
     """Per Δ, log E against log ξ has slope 1 (linear response; the sample scatters by a few
     percent), and E is C ξ/Δ."""
-    table = fig1.compute(packings, SMALL)
+    table = collapse.compute(packings, SMALL)
     assert set(table["delta"]) == set(DELTAS)
     for delta in DELTAS:
         mine = table[table["delta"] == delta]
@@ -56,13 +67,12 @@ def test_figure_1_collapses_with_slope_one(packings, tmp_path):
         mine = table[table["delta"] == p.delta]
         assert amplification_of(p, noise="radius") == pytest.approx(2 * amplification_of(p))
         assert mine["C_radius"] == pytest.approx(2 * mine["C_diameter"])
-    assert table["xi"].max() <= fig1.LARGEST_XI
+    assert table["xi"].max() <= collapse.LARGEST_XI
     assert table["ratio"][table["delta"] == 1e-6].max() == pytest.approx(1e3)
-    paths = write(fig1.plot(table), tmp_path, "fig1", table, fig1.facts(packings, SMALL))
-    assert [p.suffix for p in paths] == [".png", ".pdf", ".csv"]
-    facts, rows = read(paths[2])
+    paths = drawn("fig1", tmp_path, table, collapse.facts(packings, SMALL))
+    facts, rows = (f(tmp_path / "fig1.csv") for f in (read_facts, read_table))
     assert len(rows) == len(table)
-    assert float(rows[3]["error"]) == pytest.approx(table["error"][3], rel=1e-8)
+    assert rows["error"][3] == pytest.approx(table["error"][3], rel=1e-8)
     assert facts["packing_seeds"] == [1, 2] * len(DELTAS)
     assert "numpy" in facts["versions"]
     stored = matplotlib.image.imread(paths[0])
@@ -72,45 +82,87 @@ def test_figure_1_collapses_with_slope_one(packings, tmp_path):
 def test_figure_2_shows_sums_of_order_delta_and_a_matrix_that_does_not_know_it(packings, tmp_path):
     """Over five decades neither follows a power of Δ: fitted exponents below 0.25 (of 16 groups of
     six packings -0.12 to 0.01), while the unscaled sums grow as Δ."""
-    table = fig2.compute(packings, SMALL)
+    table = loop_sums.compute(packings, SMALL)
     decades = np.log(table["delta"])
     for name in ("rms", "singular_min", "singular_max"):
         assert abs(np.polyfit(decades, np.log(table[name]), 1)[0]) < 0.25, name
     unscaled = np.log(table["rms"] * table["delta"])
     assert np.polyfit(decades, unscaled, 1)[0] == pytest.approx(1, abs=0.25)
     assert table["exact"].all()
-    paths = write(fig2.plot(table), tmp_path, "fig2", table, fig2.facts(packings, SMALL))
-    assert len(read(paths[2])[1]) == len(packings)
+    assert len(table) == len(packings)
+    drawn("fig2", tmp_path, table, loop_sums.facts(packings, SMALL))
 
 
 def test_figure_3_loses_the_chains_as_noise_passes_the_deformation(packings, tmp_path):
-    table = fig3.compute(packings, SMALL)
-    errors = [table[f"E_at_{r:g}"][0] for r in fig3.RATIOS]
+    table = force_chains.compute(packings, SMALL)
+    errors = [table[f"E_{name}"][0] for name in force_chains.RATIOS]
     assert errors[0] < 0.05
     assert 0.1 < errors[1] < 1.5
     assert errors[2] > 10
     assert np.all(table["true"] > 0)
-    assert np.all(table["at_0.01"] * table["true"] > -0.1)
-    assert np.mean(table["at_100"] < 0) > 0.2  # a good part of the contacts would pull
-    drawn = fig3.plot(table, fig3.choose(packings))
-    paths = write(drawn, tmp_path, "fig3", table, fig3.facts(packings, SMALL))
-    assert all(p.stat().st_size > 0 for p in paths)
+    assert np.all(table["hundredth"] * table["true"] > -0.1)
+    assert np.mean(table["hundredfold"] < 0) > 0.2  # a good part of the contacts would pull
+    other = grains.compute(packings, SMALL)
+    drawn("fig3", tmp_path, table, force_chains.facts(packings, SMALL), other)
 
 
-def test_only_the_figures_named_are_written(packings, tmp_path, capsys):
-    """Table 1 takes the errors of figure 1 with it, and nothing goes to another folder."""
-    edition = replace(SMALL, folder=tmp_path / "few")
-    said = []
-    write_all(["table1", "fig2"], packings, edition, said.append)
-    names = {path.name for path in edition.folder.iterdir()}
-    assert names == {"fig2.png", "fig2.pdf", "fig2.csv", "table1.csv"}
+@pytest.fixture
+def run(packings, tmp_path):
+    """A run on the small packings, to a folder of its own."""
+    run = Run(replace(SMALL, figures=tmp_path / "few", results=tmp_path / "results"))
+    run.__dict__["packings"] = packings
+    return run
+
+
+def test_only_the_figures_named_are_written(run, capsys):
+    """Table 1 computes the errors of figure 1 for itself, and nothing goes to another folder."""
+    figures.compute(["table1", "fig2"], run)
+    figures.draw_all(["table1", "fig2"], run, named=True)
+    names = {path.name for path in run.edition.figures.iterdir()}
+    tables = {"fig2.csv", "fig2.json", "table1.csv", "table1.json"}
+    assert names == tables | {"fig2.png", "fig2.pdf"}
+    assert not run.edition.results.exists()
     assert capsys.readouterr().out.count("\n| 1e-") == len(DELTAS)
-    assert "few" in said[-1]
+
+
+def test_without_its_table_a_figure_says_what_makes_it(run, capsys):
+    """If named; if not, it is left out."""
+    figures.draw_all(figures.NAMES, run, named=False)
+    assert not run.edition.figures.exists()
+    for name, maker in (("fig6", "studies error_maps"), ("ladder", "studies ladder"),
+                        ("solvers", "benchmarks --only solvers")):  # fmt: skip
+        with pytest.raises(SystemExit, match=f"{name}: there is no .*{name}.csv; .* {maker}"):
+            figures.draw_all([name], run, named=True)
+
+
+def test_every_figure_has_a_study_or_a_benchmark():
+    """So that what is missing can be made."""
+    for name in figures.NAMES:
+        for table in figures.tables_of(name):
+            study = figures.STUDY_OF.get(table, table)
+            assert study in STUDIES or study in PARTS, table
+
+
+@pytest.mark.parametrize("name", figures.NAMES)
+def test_committed_figures_have_their_tables(name):
+    assert not figures.missing(name, FULL)
+    if name != "table1":
+        assert (figures.folder_of(name, FULL) / f"{name}.png").exists()
+
+
+def test_committed_pictures_are_small():
+    """PNG below 300 kB, PDF below 500 kB."""
+    pictures = [p for f in ("figures", "results") for p in (ROOT / f).glob("*.p[nd][gf]")]
+    assert len(pictures) == 2 * len(figures.FIGURES | figures.PAGES)
+    for path in pictures:
+        assert path.stat().st_size < (300e3 if path.suffix == ".png" else 500e3), path.name
 
 
 def test_quick_figures_go_to_the_build_folder():
-    assert QUICK.folder == ROOT / "build" / "figures"
-    assert FULL.folder == ROOT / "figures"
+    assert QUICK.figures == ROOT / "build" / "figures"
+    assert FULL.figures == ROOT / "figures"
+    assert QUICK.results == ROOT / "build" / "results"
+    assert FULL.results == ROOT / "results"
 
 
 def test_packings_of_the_figures_are_independent():
@@ -121,24 +173,24 @@ def test_packings_of_the_figures_are_independent():
 
 def test_table_1_tells_steps_and_prefactors(packings):
     """Steps ~ Δ^-1/2 within 0.15 (two small packings per Δ), C falls with Δ, one line per Δ."""
-    errors = fig1.compute(packings, SMALL)
-    rows = table1.compute(packings, errors)
+    errors = collapse.compute(packings, SMALL)
+    rows = packing_table.compute(packings, errors)
     assert rows["residual"].max() <= 1e-9
-    exponent, _ = table1.exponent(packings)
+    exponent, _ = packing_table.exponent(packings)
     assert exponent == pytest.approx(0.5, abs=0.15)
-    slope, scatter, control = table1.collapse_fit(errors)
+    slope, scatter, control = packing_table.collapse_fit(errors)
     assert slope == pytest.approx(1, abs=0.05)
     assert scatter < 0.3 < 1 < control
-    fits = table1.fits(packings, errors)
+    fits = packing_table.fits(packings, errors)
     assert fits["collapse_slope"] == slope
-    assert table1.text(rows, fits).count("\n| 1e-") == len(DELTAS)
+    assert packing_table.text(rows, fits).count("\n| 1e-") == len(DELTAS)
     assert rows["spring"].max() < 10
 
 
 def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
     """Slopes of E over four decades of ξ/Δ: 1 for what is linear; bounded ends below the flat
     guess, at its level at ξ = ∞ within a factor 1.5; optimal follows the bound."""
-    table = fig4.compute(packings, SMALL)
+    table = estimator_errors.compute(packings, SMALL)
     for noise in ("diameter", "position"):
         here = table[(table["noise"] == noise) & (table["delta"] == 1e-4)]
         for method in ("gppsz", "balanced", "direct"):
@@ -157,40 +209,44 @@ def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
     assert 1 / 1.5 < last["error"] / last["prior"] < 1.5
     empty = table[(table["delta"] == 1e-2) & (table["ratio"] == 10)]
     assert np.isnan(empty["error"]).all()
-    assert fig4.text(table).count("\n| diameter | ") == 18
+    assert estimator_errors.text(table).count("\n| diameter | ") == 18
     failed = table.copy()
     failed["error"][failed["method"] == "bounded"] = np.nan  # the bound is no worse for that
-    rows = [[r for r in fig4.text(t).split("\n") if "bound*" in r] for t in (table, failed)]
+    rows = [
+        [r for r in estimator_errors.text(t).split("\n") if "bound*" in r] for t in (table, failed)
+    ]
     assert rows[0] == rows[1]
     assert rows[0][0].count("|  |") == 1  # Δ = 0.01: ξ = 10 Δ and 100 Δ exceed 0.05
-    paths = write(fig4.plot(table), tmp_path, "fig4", table, fig4.facts(packings, SMALL))
-    assert len(read(paths[2])[1]) == len(table) == 150
+    assert len(table) == 150
+    drawn("fig4", tmp_path, table, estimator_errors.facts(packings, SMALL))
 
 
 def test_figure_5_finds_the_laws():
     """On the packings of the full edition: K² over loops per contact, and the bound over
     hyperstaticity, vary less than the other candidate for each; K²/ℓ is near 0.5, and the fitted
     curve right to 2 %, which it would not be with the 1 + b/N of 40 grains (18 %)."""
-    table = np.genfromtxt(
-        ROOT / "figures" / "fig5.csv", fig5.TABLE, delimiter=",", names=True, skip_header=1
-    )
-    spread = {k: sd / mean for k, (mean, sd) in fig5.laws(table).items()}
+    table = read_table(ROOT / "figures" / "fig5.csv")
+    spread = {k: sd / mean for k, (mean, sd) in prefactor_laws.laws(table).items()}
     assert spread["gppsz K² / loops per contact"] < 0.05
     assert spread["gppsz K² / hyperstaticity"] > 0.25
     assert spread["bound (positions) K / hyperstaticity"] < 0.05
     assert spread["bound (positions) K² / hyperstaticity"] > 0.4
-    assert fig5.laws(table)["gppsz K² / loops per contact"][0] == pytest.approx(0.5, abs=0.01)
+    assert prefactor_laws.laws(table)["gppsz K² / loops per contact"][0] == pytest.approx(
+        0.5, abs=0.01
+    )
     law = table["K_gppsz_diameter"] ** 2 / table["loops"]
-    assert law / fig5.curve(table["Z"], table["grains"]) == pytest.approx(1, abs=0.04)
-    assert np.mean(law / fig5.curve(table["Z"], table["grains"])) == pytest.approx(1, abs=0.01)
-    assert np.mean(law / fig5.curve(table["Z"], 40)) < 0.85
+    assert law / prefactor_laws.curve(table["Z"], table["grains"]) == pytest.approx(1, abs=0.04)
+    assert np.mean(law / prefactor_laws.curve(table["Z"], table["grains"])) == pytest.approx(
+        1, abs=0.01
+    )
+    assert np.mean(law / prefactor_laws.curve(table["Z"], 40)) < 0.85
 
 
 def test_figure_5_counts_and_gains(packings, tmp_path):
     """Its rows are those packings: gains within four bars of the exact ones, counts by formula."""
-    table = fig5.compute(packings, SMALL)
+    table = prefactor_laws.compute(packings, SMALL)
     assert len(table) == 2 * len(DELTAS)
-    for one, p in zip(table, fig5.chosen(packings, SMALL), strict=True):
+    for one, p in zip(table, prefactor_laws.chosen(packings, SMALL), strict=True):
         assert one["delta"] == p.delta
         assert one["Z"] == p.coordination
         assert one["loops"] == pytest.approx(1 - 2 / p.coordination)
@@ -199,23 +255,21 @@ def test_figure_5_counts_and_gains(packings, tmp_path):
         assert one["p_over_f"] == pytest.approx(p.pressure / mean_force(p.forces))
         exact = amplification_of(p) / one["p_over_f"]
         assert abs(one["K_gppsz_diameter"] - exact) < 6 * one["bar_gppsz_diameter"]
-    paths = write(fig5.plot(table), tmp_path, "fig5", table, fig5.facts(packings, SMALL))
-    assert len(read(paths[2])[1]) == len(table)
+    drawn("fig5", tmp_path, table, prefactor_laws.facts(packings, SMALL))
 
 
 def test_figure_6_shows_the_worst_pattern(packings, tmp_path):
-    table = fig6.compute(packings, SMALL)
+    table = error_maps.compute(packings, SMALL)
     assert np.sum(table["worst"] ** 2) == pytest.approx(table["singular"][0] ** 2)
     assert np.mean(table["error"] ** 2) == pytest.approx(2 * table["rms"][0] ** 2)
-    drawn = fig6.plot(table, fig6.choose(packings))
-    paths = write(drawn, tmp_path, "fig6", table, fig6.facts(packings, SMALL))
-    assert all(p.stat().st_size > 0 for p in paths)
+    other = grains.compute(packings, SMALL)
+    drawn("fig6", tmp_path, table, error_maps.facts(packings, SMALL), other)
 
 
 def test_figure_7_tells_noise_from_scale(packings, tmp_path):
     """Contacts are misread more at 100 Δ than at 0.1 Δ; a wrong scale of radii costs gppsz ε, and
     `direct` ε/Δ; rounding lies on C ξ/Δ within a factor 2."""
-    table = fig7.compute(packings, SMALL)
+    table = experiment_errors.compute(packings, SMALL)
 
     def value(method, delta, ratio):
         cell = (table["method"] == method) & (table["delta"] == delta)
@@ -223,7 +277,7 @@ def test_figure_7_tells_noise_from_scale(packings, tmp_path):
 
     wrong = [value("false", 1e-4, r) + value("missed", 1e-4, r) for r in (0.1, 100)]
     assert wrong[1] > 2 * wrong[0]
-    for delta in fig7.DELTAS:
+    for delta in experiment_errors.DELTAS:
         assert 0.2 < value("scale gppsz", delta, 1.0) / delta < 5
         assert 0.2 < value("scale direct", delta, 1.0) < 5
         assert 0.1 < value("stiffness spread", delta, 0.1) / 0.1 < 2
@@ -233,8 +287,7 @@ def test_figure_7_tells_noise_from_scale(packings, tmp_path):
         centres = table[(table["method"] == "rounding centres") & (table["delta"] == delta)]
         C = value("C position", delta, 1.0)
         assert np.all(np.abs(np.log2(centres["value"] / (C * centres["ratio"]))) < 1)
-    paths = write(fig7.plot(table), tmp_path, "fig7", table, fig7.facts(packings, SMALL))
-    assert len(read(paths[2])[1]) == len(table)
+    drawn("fig7", tmp_path, table, experiment_errors.facts(packings, SMALL))
 
 
 def test_the_bound_of_figure_4_is_exact():
@@ -243,7 +296,7 @@ def test_the_bound_of_figure_4_is_exact():
         p = packing(grains=GRAINS, delta=1e-2, seed=seed)
         map_ = cramer_rao(ContactNetwork.from_packing(p), data="sizes")
         C = np.linalg.norm(map_.matrix) / np.sqrt(len(p.forces)) * p.pressure
-        found = fig4._prefactors(p, "diameter")["optimal"]
+        found = estimator_errors.prefactors_of(p, "diameter")["optimal"]
         assert found == pytest.approx(C / mean_force(p), rel=1e-6)
 
 
@@ -255,7 +308,7 @@ def test_exact_means_of_figure_4_are_those_of_many_draws(packings, method):
     error map of the other noise, is far off.
     """
     p = next(p for p in packings if p.delta == 1e-2)
-    xi, C = fig4.LINEAR_UP_TO, fig4._prefactors(p, "position")
+    xi, C = estimator_errors.LINEAR_UP_TO, estimator_errors.prefactors_of(p, "position")
     ratio = xi / p.delta
     network, weights = ContactNetwork.from_packing(p), {}
     if method == "optimal":
@@ -268,14 +321,14 @@ def test_exact_means_of_figure_4_are_those_of_many_draws(packings, method):
     share = squares / (C[method] * ratio) ** 2
     bar = share.std(ddof=1) / np.sqrt(len(share))
     assert abs(share.mean() - 1) < 4 * bar
-    wrong = squares / (fig4._prefactors(p, "diameter")[method] * ratio) ** 2
+    wrong = squares / (estimator_errors.prefactors_of(p, "diameter")[method] * ratio) ** 2
     assert abs(wrong.mean() - 1) > 4 * wrong.std(ddof=1) / np.sqrt(len(wrong))
 
 
 def test_what_pressure_control_leaves_free_is_measured(packings):
     """The trace of the mean stress is p; the rest is a share of it."""
     p = packings[0]
-    half, shear = table1.anisotropy(p)
+    half, shear = packing_table.anisotropy(p)
     σ = stress(ContactNetwork.from_packing(p), p.forces)
     trace = np.trace(σ) / 2
     assert trace == pytest.approx(p.pressure, rel=1e-6)
@@ -285,10 +338,12 @@ def test_what_pressure_control_leaves_free_is_measured(packings):
 
 def test_shares_of_contacts_are_means_and_errors_rms():
     values = np.array([0.0, 0.02])
-    assert fig7._over_packings("false", values) == pytest.approx(0.01)
-    assert fig7._over_packings("missed", values) == pytest.approx(0.01)
-    assert fig7._over_packings("gppsz known", values) == pytest.approx(0.02 / np.sqrt(2))
-    assert np.isnan(fig7._over_packings("false", values[:0]))
+    assert experiment_errors.over_packings("false", values) == pytest.approx(0.01)
+    assert experiment_errors.over_packings("missed", values) == pytest.approx(0.01)
+    assert experiment_errors.over_packings("gppsz known", values) == pytest.approx(
+        0.02 / np.sqrt(2)
+    )
+    assert np.isnan(experiment_errors.over_packings("false", values[:0]))
 
 
 @pytest.mark.parametrize("corner", [(0.0, 0.0), (3.3, -40.0)])
@@ -296,7 +351,9 @@ def test_a_window_as_wide_as_the_cell_holds_every_grain_once(corner):
     """Unwrapped positions, any place of the window: N copies inside, none twice."""
     p = packing(grains=48, delta=1e-3)
     side = float(p.cell[0, 0])
-    window = Window(p, np.asarray(corner) + side / 2, side)
+    window = Window(
+        Cell(p.positions, p.radii, np.diag(p.cell)), np.asarray(corner) + side / 2, side
+    )
     index, places = window.copies(p.positions, 0.0)
     assert sorted(index) == list(range(48))
     steps = (places - p.positions[index]) / side

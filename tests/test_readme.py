@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from dem import Scene, Settings
-from paper_figs import fig4, fig5, fig7, table1
+from studies.estimators import estimator_errors
+from studies.experiment import experiment_errors
+from studies.packings import packing_table
+from studies.prefactors import prefactor_laws
+from studies.tables import read_facts, read_table
 from tests.readme_lines import lines
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -43,25 +45,21 @@ def test_commands_exist():
 
 
 def test_table_is_the_one_of_the_full_figures():
-    """Every line that ``table1.text`` prints stands in the README, to the letter."""
-    first, _, *_ = (ROOT / "figures" / "table1.csv").read_text().splitlines()
-    table = np.genfromtxt(
-        ROOT / "figures" / "table1.csv", delimiter=",", names=True, skip_header=1
-    )
-    fits = json.loads(first.removeprefix("# "))["fits"]
+    """Every line that ``packing_table.text`` prints stands in the README, to the letter."""
+    path = ROOT / "figures" / "table1.csv"
     flowing = " ".join(README.split())
-    for line in table1.text(table, fits).splitlines():
+    for line in packing_table.text(read_table(path), read_facts(path)["fits"]).splitlines():
         assert " ".join(line.split()) in flowing, line
 
 
-@pytest.mark.parametrize("figure", [fig4, fig5, fig7])
-def test_tables_of_the_estimators_are_those_of_the_full_figures(figure):
-    """Every line that figures 4, 5 and 7 print stands in docs/estimators.md, to the letter."""
-    path = ROOT / "figures" / f"{figure.__name__.split('.')[-1]}.csv"
-    table = np.genfromtxt(
-        path, figure.TABLE, delimiter=",", names=True, skip_header=1, encoding="utf-8"
-    )
-    for line in figure.text(table).splitlines():
+@pytest.mark.parametrize(
+    ("figure", "study"),
+    [("fig4", estimator_errors), ("fig5", prefactor_laws), ("fig7", experiment_errors)],
+)
+def test_tables_of_the_estimators_are_those_of_the_full_figures(figure, study):
+    """Every line that their studies print stands in docs/estimators.md, to the letter."""
+    table = read_table(ROOT / "figures" / f"{figure}.csv")
+    for line in study.text(table).splitlines():
         assert line in ESTIMATORS, line
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import continuation, ensembles, numbering, polish_cost, precision, ramps, size
-from benchmarks.power import exponent
-from benchmarks.spread import spread
+from benchmarks import ensembles, numbering, polish_cost, precision, size
+from studies.error_bars import exponent, spread
+from studies.packings import continuation, ramps
 from tests.conftest import packing
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -20,7 +20,7 @@ SHOWN = (
 
 
 def lines_of(name: str) -> list[str]:
-    text = (ROOT / "benchmarks" / "results" / f"{name}.md").read_text()
+    text = (ROOT / "results" / f"{name}.md").read_text()
     return [line for line in text.splitlines() if line.startswith("|")]
 
 

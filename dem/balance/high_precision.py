@@ -18,9 +18,11 @@ from typing import Any
 import numpy as np
 
 from dem.balance.tangent import Equilibrium
-from dem.motion.drive import ContactLaw
-from dem.motion.neighbours import Neighbours
-from dem.motion.state import Floats, State
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import rectangle
+from dem.motion.state import State
+from packing.arguments.arrays import Floats
 from packing.doubledouble import DoubleDouble, hypot
 from packing.record import Packing
 
@@ -70,17 +72,17 @@ class Place:
         centres, sides = self.centres, self.sides
         return {
             "positions": centres.high, "positions_low": centres.low,
-            "cell": np.diag(sides.high), "cell_low": np.diag(sides.low),
+            "cell": rectangle(sides.high), "cell_low": rectangle(sides.low),
             "radii": self.radii.high,
             "radii_low": self.radii.low if self.radii.low.any() else None,
         }  # fmt: skip
 
     def state(self) -> State:
         """A state at rest there, rounded to doubles."""
-        return State(self.centres.high, self.radii.high, cell=np.diag(self.sides.high))
+        return State(self.centres.high, self.radii.high, cell=rectangle(self.sides.high))
 
 
-class PreciseEquilibrium(Equilibrium):
+class ExtendedEquilibrium(Equilibrium):
     """``Equilibrium`` with overlaps and slips that lose no digits, whatever Δ."""
 
     def __init__(self, place: Place, near: Neighbours, law: ContactLaw, pressure: float) -> None:

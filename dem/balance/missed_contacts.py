@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.motion.neighbours import Neighbours, find_neighbours
-from dem.motion.state import History, State
+from dem.model.history import History
+from dem.model.neighbour_list import Neighbours
+from dem.motion.neighbours import find_neighbours
+from dem.motion.state import State
 
 
 class NotRight(ArithmeticError):

@@ -13,11 +13,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dem.balance.forces_at_rest import Rest
+from dem.balance.contact_forces import ContactForces
 from dem.balance.tangent import PIN, Equilibrium, Trial
-from dem.motion.drive import ContactLaw
-from dem.motion.neighbours import Neighbours
-from dem.motion.state import Floats, State
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import rectangle
+from dem.motion.state import State
+from packing.arguments.arrays import Floats
 
 ITERATIONS = 40
 #: Newton steps without halving the residual before it is taken as stalled; fewer at round-off.
@@ -39,7 +41,7 @@ class PolishFailed(ArithmeticError):
 
 def polish(
     state: State, near: Neighbours, law: ContactLaw, pressure: float, tolerance: float = 1e-9
-) -> Rest:
+) -> ContactForces:
     """Bring ``state`` (changed in place: positions, cell, history) to equilibrium.
 
     Raises PolishFailed when the tangent is singular or the residual stops falling above
@@ -47,11 +49,11 @@ def polish(
     """
     balance = Equilibrium(state, near, law, pressure)
     # A sum of forces κ δ, δ the difference of lengths of order 1, is good to ~ κ ε.
-    floor = 10 * law.stiffness * np.finfo(float).eps
+    floor = 10 * balance.stiffness * np.finfo(float).eps
     kept, iterations = newton(balance, floor, max(tolerance * pressure, 100 * floor))
-    rest, y = _carry(balance, kept, pressure, iterations)
-    _store(state, balance, y, rest)
-    return rest
+    forces, y = _carry(balance, kept, pressure, iterations)
+    store(state, balance, y, forces)
+    return forces
 
 
 def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]:
@@ -93,27 +95,27 @@ def _newton_step(balance: Equilibrium, trial: Trial, shift: float) -> Callable[[
 
 def _carry(
     balance: Equilibrium, trial: Trial, pressure: float, iterations: int
-) -> tuple[Rest, Floats]:
+) -> tuple[ContactForces, Floats]:
     """Forces after the last increments, f + df(y), and the moves that hold them.
 
     Contacts that would have to pull are opened, and the rest carried on without them.
     """
     for _ in range(OPENINGS):
-        normal, tangential, moves = _increments(balance, trial)
+        normal, tangential, moves = increments(balance, trial)
         overlaps = balance.branches(moves)[1]
-        lag = np.abs(normal - balance.law.stiffness * overlaps)[trial.bearing].max(initial=0.0)
-        if lag > LAG * balance.law.stiffness * np.finfo(float).eps * balance.near.sides.max():
+        lag = np.abs(normal - balance.law.force(overlaps))[trial.bearing].max(initial=0.0)
+        if lag > LAG * balance.stiffness * np.finfo(float).eps * balance.near.sides.max():
             raise PolishFailed(f"f_n - κ overlap is {lag / pressure:.2g} p: moves too long")
         pulls = trial.bearing & (normal < 0)
         if not pulls.any():
             residual = np.abs(trial.residual(normal, tangential)).max()
             worst = float(residual) / pressure
-            return Rest(normal, tangential, trial.bearing, worst, iterations), moves
+            return ContactForces(normal, tangential, trial.bearing, worst, iterations), moves
         trial = balance.without(trial, pulls)
     raise PolishFailed(f"{int(pulls.sum())} contacts would have to pull")
 
 
-def _increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Floats]:
+def increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Floats]:
     """Normal and tangential forces, refined on the tangent at ``trial``, and the moves."""
     on_normal, on_slip, slides = balance.response(trial)
     normal, tangential = trial.normal, trial.tangential
@@ -131,11 +133,13 @@ def _increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Flo
     return normal, tangential, moves
 
 
-def _store(state: State, balance: Equilibrium, y: Floats, rest: Rest) -> None:
+def store(state: State, balance: Equilibrium, y: Floats, forces: ContactForces) -> None:
+    """Positions, cell and history of ``state`` after the moves ``y``."""
     near = balance.near
     z = state.positions.view(complex)[:, 0] * balance.stretch(y) + balance.displacement(y)
     state.positions = np.column_stack([z.real, z.imag])
-    state.cell = np.diag(near.sides * balance.scale * balance.stretch(y))
-    near.elongation[:] = rest.tangential / balance.law.tangential
+    state.cell = rectangle(near.sides * balance.scale * balance.stretch(y))
+    overlaps = np.maximum(balance.branches(y)[1], 0.0)
+    near.elongation[:] = balance.law.elongation(forces.tangential, overlaps)
     state.history = near.history()
-    state._near = state._reached = None
+    state.reached = None

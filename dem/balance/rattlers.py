@@ -12,8 +12,11 @@ from typing import Protocol, Self, TypeVar
 
 import numpy as np
 
-from dem.motion.neighbours import Neighbours, find_neighbours
-from dem.motion.state import Floats, History, State
+from dem.model.history import History
+from dem.model.neighbour_list import Neighbours
+from dem.motion.neighbours import find_neighbours
+from dem.motion.state import State
+from packing.arguments.arrays import Floats
 
 SWEEPS = 300
 #: Grains are pushed until they are Δ apart, or so many mean diameters if that is less; in a narrow

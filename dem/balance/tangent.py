@@ -10,7 +10,10 @@ and the residual R = M f - (0 ; 2 p A/ℓ) by
 
     dR = M_n df_n + N f_t δτ/r + M_t df_t - T f_n δτ/r + (0 ; (Σ f_n δr - 4 p A ε)/ℓ),
     N = M_n without its cell row,
-    df_n = -κ δr;   df_t = k_t δq if the contact sticks, ± μ df_n if it slides.
+    df_n = -f'(δ) δr;   df_t = k_t δq if the contact sticks, ± μ df_n if it slides;
+
+f' = κ of linear springs.  Where k_t changes with the overlap that change is left out: Newton's
+method then ends no worse, but converges linearly.
 """
 
 from __future__ import annotations
@@ -22,10 +25,12 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array, csr_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
-from dem.balance.forces_at_rest import backbone, fewest_contacts
-from dem.motion.drive import ContactLaw
-from dem.motion.neighbours import Neighbours
-from dem.motion.state import Floats, State
+from dem.balance.contact_forces import bearing_contacts
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import sides_of
+from dem.motion.state import State
+from packing.arguments.arrays import Floats
 
 #: Smallest diagonal shift, in units of κ: it pins the two translations of the whole packing.
 PIN = 1e-13
@@ -37,6 +42,7 @@ class Trial:
 
     y: Floats
     r: Floats
+    overlap: Floats
     normal: Floats
     tangential: Floats
     bearing: np.ndarray
@@ -62,9 +68,12 @@ class Equilibrium:
         self.count = len(state.radii)
         self.rotates = law.friction > 0
         self.span = float(np.sqrt(self.count))  # ℓ, so that the cell's row is like a grain's
-        self.area = float(np.prod(np.diag(state.cell)))
+        self.area = float(np.prod(sides_of(state.cell)))
         self.scale = near.scale(state)
         self.start = near.branches(state)
+        deepest = float((near.sigma - np.abs(self.start)).max(initial=0.0))
+        #: The unit κ of stiffness: that of the deepest contact.
+        self.stiffness = float(law.slope(np.array([deepest]))[0])
 
     def trial(self, y: Floats) -> Trial:
         """Forces after the moves ``y``, history counted from the start."""
@@ -73,21 +82,22 @@ class Equilibrium:
         turn = y[2 * count : -1]
         d, overlap, aside = self.branches(y)
         r = np.abs(d)
-        normal = law.stiffness * np.maximum(overlap, 0.0)
-        bearing = backbone(near.pairs, normal > 0, count, fewest_contacts(law))
-        normal[~bearing] = 0.0
-        sprung = law.tangential * (near.elongation + (aside - turn[i] - turn[j]))
+        overlap = np.maximum(overlap, 0.0)
+        pushing = law.force(overlap)
+        bearing = bearing_contacts(near, pushing > 0, law, count)
+        normal = np.where(bearing, pushing, 0.0)
+        k_t = law.tangential_stiffness(overlap)
+        sprung = k_t * (near.elongation + (aside - turn[i] - turn[j]))
         cap = law.friction * normal
         return Trial(
-            y, r, normal, np.clip(sprung, -cap, cap), bearing, bearing & (np.abs(sprung) >= cap),
-            *self._columns(d / r, r),
+            y, r, overlap, normal, np.clip(sprung, -cap, cap),
+            bearing, bearing & (np.abs(sprung) >= cap), *self._columns(d / r, r),
             load=2 * self.pressure * self.area * self.stretch(y) ** 2 / self.span,
         )  # fmt: skip
 
     def without(self, trial: Trial, opened: np.ndarray) -> Trial:
         """``trial`` with the contacts ``opened`` bearing nothing, nor what falls with them."""
-        fewest = fewest_contacts(self.law)
-        bearing = backbone(self.near.pairs, trial.bearing & ~opened, self.count, fewest)
+        bearing = bearing_contacts(self.near, trial.bearing & ~opened, self.law, self.count)
         return replace(
             trial,
             normal=np.where(bearing, trial.normal, 0.0),
@@ -139,9 +149,10 @@ class Equilibrium:
     def response(self, trial: Trial) -> tuple[Floats, Floats, Floats]:
         """df_n/dδr, df_t/dδq and df_t/dδr of every contact."""
         law = self.law
-        on_normal = np.where(trial.bearing, -law.stiffness, 0.0)
+        on_normal = np.where(trial.bearing, -law.slope(trial.overlap), 0.0)
         sticks = trial.bearing & ~trial.sliding
-        on_slip = np.where(sticks & self.rotates, law.tangential, 0.0)
+        k_t = law.tangential_stiffness(trial.overlap)
+        on_slip = np.where(sticks & self.rotates, k_t, 0.0)
         slides = law.friction * np.sign(trial.tangential) * np.where(trial.sliding, on_normal, 0.0)
         return on_normal, on_slip, slides
 
@@ -169,7 +180,7 @@ class Equilibrium:
         grains[self.near.pairs[trial.bearing]] = True
         active = np.flatnonzero(np.r_[grains, grains, grains & self.rotates, True])
         reduced = csc_array(self.tangent(trial))[active][:, active]
-        lu = splu(csc_array(reduced - shift * self.law.stiffness * eye_array(len(active))))
+        lu = splu(csc_array(reduced - shift * self.stiffness * eye_array(len(active))))
 
         def newton_step(residual: Floats) -> Floats:
             y = np.zeros(len(residual))

@@ -1,12 +1,4 @@
-"""Neighbour list: the pairs that may touch before the list must be rebuilt.
-
-A pair enters when r < σ + skin.  With u = x - λ x⁰ the displacement since the list was made
-(λ the scale of the cell since then), no absent pair can touch while
-
-    2 max|u| < λ skin - (1 - λ) σ                                       (half a skin, λ = 1)
-
-for the σ that makes this smallest: σ_max in a cell that has shrunk, σ_min in one that has grown,
-where small grains are carried apart by less beyond their contact than large ones.
+"""All pairs of grains in reach of each other, found by a (periodic) k-d tree.
 
 A cell at least two ranges wide lets a pair meet through one image only: the nearest.  In a
 narrower one (few grains, or a strip) it may meet through several, and a grain its own images: all
@@ -15,14 +7,15 @@ of them are listed, each a contact of its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from dem.motion.history import History
-from dem.motion.state import Floats, Ints, State
+from dem.model.neighbour_list import Neighbours, as_complex
+from dem.model.rectangle import sides_of
+from dem.motion.state import State
+from packing.arguments.arrays import Floats
+from packing.arguments.arrays import Integers as Ints
 
 #: A cell is at least this share of the largest diameter wide: narrower, a grain would be squeezed
 #: between its own images by more than any contact of disks (``scene.LARGEST_DELTA``).
@@ -30,68 +23,6 @@ NARROWEST = 0.75
 #: The most pairs in reach of each other: per grain (a skin as wide as a grain makes 9 of them),
 #: and at any rate, some GB.
 MOST_PAIRS_A_GRAIN, MOST_PAIRS = 20, 20_000_000
-
-
-@dataclass
-class Neighbours:
-    """Pairs ``(c, 2)`` with their images, size sums and tangential elongations.
-
-    ``incidence`` (complex: forces are) adds -(force on i) to j, ``adjacency`` adds the same
-    torque to both; ``columns (2, c)`` are the pairs again, contiguous for the kernels.  As they
-    were at the build: lattice vector ``shift`` of each pair and positions ``origin``, both as
-    x + iy, and the ``sides`` of the cell (0 without one).
-    """
-
-    pairs: Ints
-    images: Ints
-    columns: Ints
-    sigma: Floats
-    elongation: Floats
-    incidence: csr_array
-    adjacency: csr_array
-    shift: np.ndarray
-    origin: np.ndarray
-    sides: Floats
-    skin: float
-    smallest: float
-    largest: float
-
-    def reach(self, scale: float) -> float:
-        """The displacement max|u| up to which the list stays complete."""
-        worst = self.largest if scale < 1 else self.smallest
-        return 0.5 * (scale * self.skin - (1 - scale) * worst)
-
-    def scale(self, state: State) -> float:
-        """Size of the cell in units of what it was at the build."""
-        return 1.0 if state.cell is None else float(state.cell[0, 0] / self.sides[0])
-
-    def branches(self, state: State) -> np.ndarray:
-        """x_j - x_i + image shift ``(c,)`` as x + iy."""
-        i, j = self.columns
-        z = _as_complex(state.positions)
-        return z[j] - z[i] + self.shift * self.scale(state)
-
-    def single(self) -> Neighbours:
-        """The list in float32, for positions given as displacements u: d = λ d⁰ + u_j - u_i.
-
-        Gaps are then good to 6e-8 of a diameter, wherever in the cell; of positions ~ L that
-        would be 6e-8 L.
-        """
-        i, j = self.columns
-        return replace(
-            self,
-            sigma=self.sigma.astype(np.float32),
-            elongation=self.elongation.astype(np.float32),
-            incidence=self.incidence.astype(np.complex64),
-            adjacency=self.adjacency.astype(np.float32),
-            shift=(self.origin[j] - self.origin[i] + self.shift).astype(np.complex64),
-            origin=np.zeros(len(self.origin), np.complex64),
-        )
-
-    def history(self) -> History:
-        """The elongations of the pairs that carry one."""
-        held = self.elongation != 0
-        return History(self.pairs[held], self.images[held], self.elongation[held])
 
 
 def find_neighbours(state: State, skin: float) -> Neighbours:
@@ -105,8 +36,8 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
     i, j = pairs.T
     shift = np.zeros(len(pairs), complex)
     if state.cell is not None:
-        shift = _as_complex(images @ state.cell)
-    position = _as_complex(state.positions)
+        shift = as_complex(images @ state.cell)
+    position = as_complex(state.positions)
     sigma = state.radii[i] + state.radii[j]
     distance = np.abs(position[j] - position[i] + shift)
     if not distance.all():
@@ -129,7 +60,7 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
         adjacency=csr_array((np.r_[ones, ones], ends), shape=shape),
         shift=shift,
         origin=position.copy(),
-        sides=np.zeros(2) if state.cell is None else np.diag(state.cell).copy(),
+        sides=np.zeros(2) if state.cell is None else sides_of(state.cell),
         skin=skin,
         smallest=2 * float(state.radii.min()),
         largest=2 * float(state.radii.max()),
@@ -138,7 +69,7 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
 
 def _close_pairs(state: State, largest: float, skin: float) -> tuple[Ints, Ints]:
     cutoff = largest + skin
-    sides = None if state.cell is None else np.diag(state.cell)
+    sides = None if state.cell is None else sides_of(state.cell)
     if sides is None:
         tree = cKDTree(state.positions)
     else:
@@ -202,7 +133,3 @@ def _check_length(tree: cKDTree, cutoff: float, skin: float) -> None:
             f"skin = {skin:.4g}: {pairs} pairs of {tree.n} grains are nearer than {cutoff:.4g}, "
             f"more than the {most} of a list: take a narrower skin, or sizes less unequal"
         )
-
-
-def _as_complex(vectors: Floats) -> np.ndarray:
-    return np.ascontiguousarray(vectors, np.float64).view(complex)[:, 0]

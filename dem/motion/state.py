@@ -8,20 +8,15 @@ e x of a cell that strains at rate e.  The density is 1 per unit area: m = π R�
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from dem.motion.history import History
+from dem.model.history import History
+from dem.model.rectangle import sides_of
+from dem.motion.reached import Reached
 from packing.arguments.arrays import Floats, real_array
-from packing.arguments.arrays import Integers as Ints
 from packing.arguments.numbers import finite_number, instance
-
-if TYPE_CHECKING:
-    from dem.motion.drive import ContactLaw
-    from dem.motion.kernels.disks_numpy import Forces
-
-__all__ = ["Floats", "History", "Ints", "Reached", "State"]
 
 #: Lengths, and speeds: the inertia of the cell goes with the fourth power of a length, the energy
 #: with the fourth of both, and doubles end at 1e308.
@@ -30,55 +25,48 @@ SHORTEST, LONGEST = 1e-75, 1e75
 FURTHEST = 1e9
 
 
-@dataclass(frozen=True, eq=False)
-class Reached:
-    """The forces where a ``step`` ended, under which law, and the state that they belong to.
-
-    With a dashpot forces depend on the velocities half a step before, which a state does not
-    hold: computed anew they would be others, and the motion would go on along another path.
-    """
-
-    forces: Forces
-    law: tuple[ContactLaw, bool]
-    positions: Floats
-    velocities: Floats
-    spins: Floats
-    radii: Floats
-    cell: Floats | None
-    strain_rate: float
-    history: History
-
-    @classmethod
-    def of(cls, state: State, forces: Forces, law: tuple[ContactLaw, bool]) -> Reached:
-        """As ``state`` is now, which will move on."""
-        return cls(
-            forces, law, state.positions.copy(), state.velocities.copy(), state.spins.copy(),
-            state.radii.copy(), state.cell, state.strain_rate, state.history,
-        )  # fmt: skip
-
-    def is_of(self, state: State) -> bool:
-        """False when anything that decides forces was changed by hand."""
-        if (self.cell is None) != (state.cell is None) or self.strain_rate != state.strain_rate:
-            return False
-        names = ["positions", "velocities", "spins", "radii"]
-        names += [] if self.cell is None else ["cell"]
-        same = (np.array_equal(getattr(self, name), getattr(state, name)) for name in names)
-        return all(same) and self.history.same_as(state.history)
-
-
 @dataclass(eq=False)
 class State:
-    """Positions ``(N, 2)``, radii ``(N,)``, velocities ``(N, 2)``, spins ``(N,)`` and the cell.
+    """Grains in motion, with mass π R²; lengths in any unit.
 
     ``step`` advances a state in place and owns its arrays; to change one by hand build a new
-    one (``dataclasses.replace``).  Lengths in any unit, with mass π R².  A state that is pickled,
-    copied or replaced goes on along the same path; its copies share nothing that moves.
+    one (``dataclasses.replace``).  A state that is pickled, copied or replaced goes on along the
+    same path; its copies share nothing that moves.
+
+    Parameters
+    ----------
+    positions : (N, 2) array
+        Centres, not wrapped into the cell.
+    radii : (N,) array
+        Radii R.
+    velocities : (N, 2) array, optional
+        Peculiar velocities, without the affine motion of the cell; None: at rest.
+    spins : (N,) array, optional
+        Angular velocities ω; None: no rotation.
+    cell : (2, 2) array, optional
+        A rectangle, lattice vectors as rows; None for the unbounded plane.
+    strain_rate : float
+        Rate e of the cell, 1/time.
+    history : History
+        Tangential springs of the contacts.
+    reached : Reached, optional
+        Left by ``step`` for the next one: forces and neighbour list.  Nothing to be given.
 
     Raises
     ------
-    ValueError : naming the grain and the number (no grain, NaN, radius not positive, wrong shape,
-        a cell that is singular or not rectangular, a grain 1e9 sides of the cell away, a history
-        of grains that are not there, or through images of a cell that is not).
+    ValueError
+        Naming the grain and the number: no grain, NaN, radius not positive, wrong shape, a cell
+        that is singular or not rectangular, a grain 1e9 sides of the cell away, a history of
+        grains that are not there, or through images of a cell that is not.
+
+    Notes
+    -----
+    m = π R² and I = m R²/2; x moves by (v + e x) dt.
+
+    Examples
+    --------
+    >>> State([[0.0, 0.0], [1.0, 0.0]], [0.5, 0.5], velocities=[[1.0, 0.0], [0.0, 0.0]]).mean_speed
+    0.5
     """
 
     positions: Floats
@@ -88,7 +76,7 @@ class State:
     cell: Floats | None = None
     strain_rate: float = 0.0
     history: History = field(default_factory=History)
-    _reached: Reached | None = field(default=None, repr=False, kw_only=True)
+    reached: Reached | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         self.radii = real_array("radii", self.radii, (None,))
@@ -106,10 +94,8 @@ class State:
             self._check_cell()
         self.strain_rate = finite_number("strain_rate", self.strain_rate)
         instance("history", self.history, History).check_grains(count, self.cell is not None)
-        if self._reached is not None:
-            instance("_reached", self._reached, Reached)
-        # Workspace of `step`: the neighbour list.
-        self._near: Any = None
+        if self.reached is not None:
+            self.reached = instance("reached", self.reached, Reached).without_list()
 
     def _check_magnitudes(self) -> None:
         if bad := np.flatnonzero(self.radii <= 0).tolist():
@@ -129,9 +115,7 @@ class State:
 
     def _check_cell(self) -> None:
         self.cell = cell = real_array("cell", self.cell, (2, 2))
-        sides = np.diag(cell)
-        if cell[0, 1] or cell[1, 0] or np.min(sides) <= 0:
-            raise ValueError(f"cell {cell.tolist()} is not a rectangle of positive sides")
+        sides = sides_of(cell)
         if np.min(sides) < SHORTEST or np.max(sides) > LONGEST:
             raise ValueError(
                 f"cell {cell.tolist()} has a side outside [{SHORTEST:g}, {LONGEST:g}]: its "
@@ -149,12 +133,17 @@ class State:
         """For pickles and copies: with arrays of its own, without the neighbour list, which the
         next ``step`` makes anew."""
         own = {k: v.copy() if isinstance(v, np.ndarray) else v for k, v in self.__dict__.items()}
-        return own | {"_near": None}
+        return own | {"reached": None if self.reached is None else self.reached.without_list()}
+
+    def configuration(self) -> dict[str, Any]:
+        """All that decides the forces, by name."""
+        names = ("positions", "velocities", "spins", "radii", "cell", "strain_rate", "history")
+        return {name: getattr(self, name) for name in names}
 
     @property
-    def _forces(self) -> Any:
-        """The forces where the last ``step`` ended; None before the first."""
-        return None if self._reached is None else self._reached.forces
+    def mean_speed(self) -> float:
+        """Mean speed of the grains, or the strain rate of the cell if it moves faster."""
+        return float(max(np.linalg.norm(self.velocities, axis=1).mean(), abs(self.strain_rate)))
 
     @property
     def masses(self) -> Floats:

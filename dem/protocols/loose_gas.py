@@ -10,9 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from dem.motion.neighbours import Neighbours, find_neighbours
-from dem.motion.state import Floats, Ints, State
+from dem.model.neighbour_list import Neighbours
+from dem.model.rectangle import rectangle
+from dem.motion.neighbours import find_neighbours
+from dem.motion.state import State
 from dem.scene import LOOSE_FRACTION, NARROWEST_START, Scene
+from packing.arguments.arrays import Floats
+from packing.arguments.arrays import Integers as Ints
 
 #: Area fraction of the start in a cell so narrow that a grain may meet another through two images:
 #: three equal disks in a square cell have no room at 0.64.
@@ -37,7 +41,7 @@ def loose_state(scene: Scene, rng: np.random.Generator) -> State:
     positions = rng.uniform(0, 1, (scene.grains, 2)) * sides
     if scene.grains >= STRIPS_FROM:
         positions = positions[along_strips(positions)]
-    state = State(positions, radii, cell=np.diag(sides))
+    state = State(positions, radii, cell=rectangle(sides))
     z = state.positions.view(complex)[:, 0]
     near = None
     for _ in range(SWEEPS):

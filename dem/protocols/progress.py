@@ -19,10 +19,12 @@ _FASTEST = 1.0
 #: Decades kept for the polish.
 _KEPT = 1.0
 #: Bars of what is mostly quick appear after so many seconds.
-_DELAY = 2.0
+DELAY = 2.0
 
 
 class _Bar:
+    """A bar over ``total`` decades; leaving its block without an error fills it."""
+
     def __init__(self, total: float, title: str, progress: bool | None, delay: float) -> None:
         self._bar = bar(
             progress,
@@ -34,10 +36,20 @@ class _Bar:
             bar_format="{desc} {bar} {postfix} [{elapsed} < {remaining}]",
         )
 
+    @property
+    def reached(self) -> float:
+        """Decades behind us."""
+        return self._bar.n
+
+    @property
+    def total(self) -> float:
+        """Decades in all."""
+        return self._bar.total
+
     def _reach(self, decades: float, text: str) -> None:
         if self._bar.disable:
             return
-        self._bar.n = max(self._bar.n, round(decades, 3))
+        self._bar.n = max(self.reached, round(decades, 3))
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(0)
 
@@ -53,7 +65,7 @@ class _Bar:
         self._bar.close()
 
 
-class RestBar(_Bar):
+class RelaxationBar(_Bar):
     """A bar over the decades still to go; leaving its block without an error fills it.
 
     ``target``: mean speed, in √(p/ρ), of the first polish; ``tolerance`` of the pressure.
@@ -72,7 +84,7 @@ class RestBar(_Bar):
         self._begin, self._end, self._failures = 0.0, self._decades, 0
         super().__init__(self._decades + _KEPT, f"Δ={delta:.0e}", progress, 0.0)
 
-    def __enter__(self) -> RestBar:
+    def __enter__(self) -> RelaxationBar:
         return self
 
     def show(self, step: int, speed: float, pressure_error: float = 0.0) -> None:
@@ -106,7 +118,7 @@ class PressureBar(_Bar):
 
     def __init__(self, title: str, start: float, end: float, progress: bool | None) -> None:
         self._start = start
-        super().__init__(abs(log10(end / start)), title, progress, _DELAY)
+        super().__init__(abs(log10(end / start)), title, progress, DELAY)
 
     def __enter__(self) -> PressureBar:
         return self

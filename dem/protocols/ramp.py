@@ -20,17 +20,14 @@ from typing import Any
 
 import numpy as np
 
-from dem.motion.drive import Drive
-from dem.motion.state import History, State
+from dem.model.drive import Drive
+from dem.model.history import History
+from dem.motion.state import State
+from dem.protocols.not_relaxed import NotRelaxed
+from dem.protocols.plan import Plan, check_noise
 from dem.protocols.progress import PressureBar
-from dem.protocols.relax import (
-    CONTINUED_BELOW,
-    Motion,
-    NotRelaxed,
-    advance,
-    check_noise,
-    come_to_rest,
-)
+from dem.protocols.relax import CONTINUED_BELOW
+from dem.protocols.relaxation import advance, come_to_rest
 from dem.protocols.resume import check_resumable, mean_diameter, origin, recorded_ratio, rescaled
 from dem.scene import LARGEST_DELTA, Scene
 from dem.settings import Settings
@@ -129,15 +126,13 @@ def _stage(
     scene = Scene(
         len(packing.radii), delta, friction=packing.friction, stiffness_ratio=ratio
     )  # what acts from here on; what the grains were drawn from stays on record
-    state = _state(packing, scene)
+    state = state_of(packing, scene)
     _sweep(state, packing.delta, scene, settings, progress)
-    new = come_to_rest(state, scene, packing.info.get("seed"), settings, progress)
-    del new.info["scene"]
-    new.info.update(origin(packing, delta, ratio), ramp={"from": packing.delta})
-    return new
+    new = come_to_rest(state, scene, packing.provenance.seed, settings, progress)
+    return new.noted(**origin(packing, delta, ratio), ramp={"from": packing.delta})
 
 
-def _state(packing: Packing, scene: Scene) -> State:
+def state_of(packing: Packing, scene: Scene) -> State:
     """Grains at rest, with the springs that the tangential forces stretch."""
     elongations = packing.tangential_forces / scene.stiffness_ratio
     history = History(packing.pairs, packing.images, elongations)
@@ -147,12 +142,13 @@ def _state(packing: Packing, scene: Scene) -> State:
 def _sweep(
     state: State, p: float, scene: Scene, settings: Settings, progress: bool | None
 ) -> None:
-    motion = Motion.of(scene, settings, state.radii)
+    plan = Plan.of(scene, settings, state.radii)
+    simulation = plan.simulation(state, settings)
     target, where = scene.pressure, f"Δ = {scene.delta:g}: "
     with PressureBar(f"Δ={p:.0e} → {target:.0e}", p, target, progress) as bar:
         while p != target:
-            change = exp(RATE * STRIDE * motion.dt * sqrt(p))
+            change = exp(RATE * STRIDE * plan.dt * sqrt(p))
             p = min(p * change, target) if p < target else max(p / change, target)
-            drive = Drive(settings.drag * sqrt(p), p)
-            advance(state, motion, drive, STRIDE, settings, where)
+            simulation.drive = Drive(settings.drag * sqrt(p), p)
+            advance(simulation, STRIDE, where)
             bar.show(p)

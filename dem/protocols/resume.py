@@ -1,7 +1,7 @@
 """A packing taken up again, by a ramp or a continuation: what must be known of it.
 
-Positions, forces and friction are in the packing.  The tangential springs u = f_t/k_t are not:
-k_t/κ stands in ``info`` (of its scene, or as ``stiffness_ratio``), or the caller gives it.
+Positions, forces and friction are in the packing.  The tangential springs u = f_t/k_t are there
+if it knows its k_t/κ; else the caller gives it.
 
 Skins, moves and pushes are lengths of order ⟨σ⟩.  Another unit of length than ⟨σ⟩ is therefore
 changed on entry and changed back at the end: positions, sizes, cell and forces by one factor, with
@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from dem.model.rectangle import sides_of
 from dem.scene import Scene
 from packing.arguments.numbers import positive_number
 from packing.record import Packing
@@ -26,12 +27,12 @@ ROUNDING = 1e-12
 
 def check_resumable(packing: Packing, what: str) -> None:
     """ValueError for a packing that ``what`` ("a ramp") cannot take up, saying why."""
+    law = (packing.provenance.scene or {}).get("contact")
+    if isinstance(law, dict):
+        raise ValueError(f"the packing was made with contact = {law}: {what} knows linear springs")
     if packing.cell is None:
         raise ValueError(f"{what} is for periodic packings; this one has no cell")
-    if packing.cell[0, 1] or packing.cell[1, 0] or np.diag(packing.cell).min() <= 0:
-        raise ValueError(
-            f"cell {packing.cell.tolist()} is not a rectangle of positive sides: {what} needs one"
-        )
+    sides_of(packing.cell, f": {what} needs one")
     if loaded := np.flatnonzero(packing.external.any(axis=1)).tolist():
         raise ValueError(f"grain {loaded[0]} bears an external load; {what} knows none")
 
@@ -41,11 +42,7 @@ def recorded_ratio(packing: Packing, given: Any = None) -> float:
 
     ValueError when it is neither, but for μ = 0, which has no springs.
     """
-    ratio, info = given, packing.info
-    if ratio is None and isinstance(info.get("scene"), dict):
-        ratio = info["scene"].get("stiffness_ratio")
-    if ratio is None:
-        ratio = info.get("stiffness_ratio")
+    ratio = packing.stiffness_ratio if given is None else given
     if ratio is None and packing.friction == 0:
         ratio = Scene.stiffness_ratio  # acts on nothing
     if ratio is None:
@@ -57,23 +54,18 @@ def recorded_ratio(packing: Packing, given: Any = None) -> float:
 
 
 def origin(packing: Packing, delta: float, ratio: float) -> dict[str, Any]:
-    """The part of ``info`` that says what the packing is of, at another ``delta``.
+    """The provenance, of a packing at another ``delta``, of what it is made from.
 
-    Sizes and seed are those of the record; a packing without one gets none, and keeps k_t/κ only.
+    Sizes and seed are those on record; a packing without a scene gets none.
     """
-    known = {"seed": packing.info["seed"]} if "seed" in packing.info else {}
-    scene = packing.info.get("scene")
-    if not isinstance(scene, dict):
-        return known | {"stiffness_ratio": ratio}
-    return known | {
-        "scene": scene
-        | {
-            "grains": len(packing.radii),
-            "delta": delta,
-            "friction": packing.friction,
-            "stiffness_ratio": ratio,
-        }
+    known, scene = packing.provenance, packing.provenance.scene
+    here = {
+        "grains": len(packing.radii),
+        "delta": delta,
+        "friction": packing.friction,
+        "stiffness_ratio": ratio,
     }
+    return {"seed": known.seed, "scene": None if scene is None else scene | here}
 
 
 def mean_diameter(packing: Packing) -> float:

@@ -1,6 +1,6 @@
 """Contact laws: how overlap becomes force. One module each."""
 
-from typing import cast
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,9 +10,14 @@ from packing.contact_law.contact_law import ContactLaw
 from packing.contact_law.linear import Linear
 from packing.contact_law.per_contact import PerContact
 
-__all__ = ["ContactLaw", "Linear", "PerContact", "law_of"]
+__all__ = ["ContactLaw", "Linear", "PerContact", "is_law", "law_of"]
 
 _METHODS = ("force", "overlap", "slope", "tangential_stiffness", "delta")
+
+
+def is_law(thing: object) -> TypeGuard[ContactLaw]:
+    """Whether it has all that a contact law has to know."""
+    return all(callable(getattr(thing, name, None)) for name in _METHODS)
 
 
 def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
@@ -41,8 +46,10 @@ def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
     >>> law_of([100.0, 50.0]).delta(1.0)
     0.015
     """
-    if all(callable(getattr(stiffness, name, None)) for name in _METHODS):
-        return cast(ContactLaw, stiffness)
-    if isinstance(stiffness, np.ndarray | list | tuple) and np.ndim(stiffness):
-        return PerContact(np.asarray(stiffness))
+    if is_law(stiffness):
+        return stiffness
+    if isinstance(stiffness, list | tuple) or (
+        isinstance(stiffness, np.ndarray) and stiffness.ndim
+    ):
+        return PerContact(stiffness)  # type: ignore[arg-type]  # it looks at the numbers
     return Linear(positive_number("stiffness", stiffness))

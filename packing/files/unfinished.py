@@ -28,7 +28,7 @@ try:
 except ImportError:  # Windows has no flock: there the process number and the age decide
     fcntl = None  # type: ignore[assignment]
 
-_PART = re.compile(r"\..+\.(?P<process>\d{1,9})(@(?P<machine>[^@]+))?\.[0-9a-f]+\.part")
+PART = re.compile(r"\..+\.(?P<process>\d{1,9})(@(?P<machine>[^@]+))?\.[0-9a-f]+\.part")
 #: Seconds without a write after which no writer is thought to be alive.
 _LONG = 3600.0
 #: Of the name of the target so many bytes are repeated: a name may have 255.
@@ -54,7 +54,7 @@ def moved_when_whole(target: Path) -> Iterator[BinaryIO]:
 def clear_left_over(folder: Path) -> None:
     """Remove the parts in ``folder`` that no living process is writing."""
     for part in folder.glob(".*.part"):
-        if (named := _PART.fullmatch(part.name)) is None:
+        if (named := PART.fullmatch(part.name)) is None:
             continue
         try:
             with part.open("r+b") as stream:
@@ -68,26 +68,26 @@ def _begun(target: Path) -> tuple[Path, BinaryIO]:
     name = os.fsdecode(os.fsencode(target.name)[:_NAME])
     while True:
         # Threads, and machines that share a folder, may share a process number.
-        part = target.with_name(f".{name}.{os.getpid()}@{_machine()}.{token_hex(4)}.part")
+        part = target.with_name(f".{name}.{os.getpid()}@{this_machine()}.{token_hex(4)}.part")
         stream = part.open("xb")
         # Between these two lines another run may have taken it for left over.
-        if _locked(stream) is not False and os.fstat(stream.fileno()).st_nlink:
+        if locked(stream) is not False and os.fstat(stream.fileno()).st_nlink:
             return part, stream
         stream.close()
 
 
 def _left_over(stream: BinaryIO, process: int, machine: str | None) -> bool:
-    locked = _locked(stream)
-    if locked is False:
+    held = locked(stream)
+    if held is False:
         return False
     if time.time() - os.fstat(stream.fileno()).st_mtime > _LONG:
         return True
-    if machine == _machine() and locked:
+    if machine == this_machine() and held:
         return True
-    return machine in (None, _machine()) and not _lives(process)
+    return machine in (None, this_machine()) and not lives(process)
 
 
-def _locked(stream: BinaryIO) -> bool | None:
+def locked(stream: BinaryIO) -> bool | None:
     """Whether the lock is ours now; None where files know no locks."""
     if fcntl is None:
         return None
@@ -100,7 +100,7 @@ def _locked(stream: BinaryIO) -> bool | None:
     return True
 
 
-def _lives(process: int) -> bool:
+def lives(process: int) -> bool:
     """Whether a process here has this number; not to be known on Windows."""
     if os.name != "posix":
         return True
@@ -113,5 +113,6 @@ def _lives(process: int) -> bool:
     return True
 
 
-def _machine() -> str:
+def this_machine() -> str:
+    """Its name, without what a name of a file may not have."""
     return re.sub(r"[^\w-]", "-", socket.gethostname())[:64]

@@ -39,8 +39,8 @@ _ASYMMETRY = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Sources(Immutable):
-    """k independent sources of noise.
+class NoiseModel(Immutable):
+    """Which data are noisy: k independent sources. Made by `noise_model`.
 
     Attributes
     ----------
@@ -92,12 +92,12 @@ class Sources(Immutable):
         )
 
 
-def sources(
+def noise_model(
     network: ContactNetwork,
     noise: str = "diameter",
     covariance: Any = None,
     xi: float | None = None,
-) -> Sources:
+) -> NoiseModel:
     """The noise of a convention of `scaling.noise.conventions`, or of any covariance.
 
     Parameters
@@ -119,14 +119,14 @@ def sources(
         strength = positive_number("xi", strength)
         if noise == "position":
             check_moves(network)
-            return Sources(
+            return NoiseModel(
                 csr_array((N, 2 * N)),
                 csr_array(diags_array(np.full(2 * N, network.mean_diameter))),
                 strength,
                 network.mean_diameter,
             )
         sizes = csr_array(diags_array(radius_scale(network, noise)))
-        return Sources(sizes, csr_array((2 * N, N)), strength, network.mean_diameter)
+        return NoiseModel(sizes, csr_array((2 * N, N)), strength, network.mean_diameter)
     if noise != "diameter" or xi is not None:
         raise ValueError("covariance says all about the noise: noise and xi are not used with it")
     L = _factor(covariance, N)
@@ -135,7 +135,7 @@ def sources(
     positions = L[N:] if L.shape[0] > N else csr_array((2 * N, L.shape[1]))
     if positions.nnz:
         check_moves(network)
-    return Sources(csr_array(L[:N]), csr_array(positions), scale)
+    return NoiseModel(csr_array(L[:N]), csr_array(positions), scale)
 
 
 def _factor(covariance: Any, grains: int) -> csr_array:

@@ -8,6 +8,8 @@ so that all packings fall on one line when ξ is divided by their Δ, and on non
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,11 +20,11 @@ from packing.arguments.arrays import Floats, real_array
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import generator, positive_number, real_number, shown, whole_number
 from packing.packing_like import fields_of
-from scaling.estimators.reconstruction import reconstruct
+from scaling.equation.force_equation import force_equation
+from scaling.estimators.table import informed, linear_names
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.conventions import NonPositiveRadius, check_noise, perturb
 from scaling.uncertainty.amplification import amplification_of
-from scaling.uncertainty.error_map import LINEAR
 from scaling.uncertainty.relative_error import relative_error
 
 _PER_ROW = 500
@@ -71,15 +73,10 @@ def collapse(
 
     Returns a structured array with the columns of `scaling.uncertainty.collapse.TABLE`.
     """
-    ratios = real_array("xis", xis, None, "strength")
-    ratios = ratios.reshape(1) if ratios.ndim == 0 else ratios
-    if ratios.ndim != 1:
-        raise ValueError(f"xis has shape {ratios.shape}, expected (any,)")
-    if (ratios <= 0).any():
-        k = int(np.argmax(ratios <= 0))
-        raise ValueError(f"xis[{k}] is {ratios[k]}: strengths must be positive")
-    if not (isinstance(method, str) and method in LINEAR):
-        raise ValueError(f"method {shown(method)} is unknown; linear ones are {', '.join(LINEAR)}")
+    ratios = _strengths(xis)
+    if not (isinstance(method, str) and method in linear_names()):
+        known = ", ".join(linear_names())
+        raise ValueError(f"method {shown(method)} is unknown; linear ones are {known}")
     check_noise(noise)
     rng, xi_max = generator("rng", rng), real_number("xi_max", xi_max)
     if not xi_max > 0:
@@ -92,33 +89,62 @@ def collapse(
     )
     rows: list[tuple] = []
     for k, (packing, child) in enumerate(zip(packings, rng.spawn(len(packings)), strict=True)):
+        truth = _Truth.of(packing, method, noise)
+        for ratio, stream in zip(ratios, child.spawn(len(ratios)), strict=True):
+            ξ = float(ratio * truth.delta)
+            if ξ > xi_max:
+                continue
+            for draw, source in enumerate(stream.spawn(draws)):
+                with suppress(NonPositiveRadius):
+                    errors = truth.errors(perturb(truth.network, ξ, source, noise), ξ)
+                    rows.append((k, truth.delta, ξ, ratio, draw, *errors, truth.C))
+    return np.array(rows, dtype=TABLE)
+
+
+@dataclass(frozen=True, eq=False)
+class _Truth:
+    """A packing, its forces, and the method and noise whose errors are looked at."""
+
+    network: ContactNetwork
+    forces: Floats
+    frictional: bool
+    stiffness: Any
+    delta: float
+    method: str
+    noise: str
+    C: float
+
+    @classmethod
+    def of(cls, packing: Any, method: str, noise: str) -> _Truth:
+        """The fields of the packing, checked, and its exact prefactor."""
         network = ContactNetwork.from_packing(packing)
         more = fields_of(packing, ("forces", "stiffness", "pressure", "delta"))
         true, frictional = contact_list.forces(more["forces"], network.contacts)
         delta = positive_number("delta", more["delta"])
-        C, c = amplification_of(packing, method, noise), network.contacts
-        for ratio, stream in zip(ratios, child.spawn(len(ratios)), strict=True):
-            ξ = float(ratio * delta)
-            if ξ > xi_max:
-                continue
-            for draw, source in enumerate(stream.spawn(draws)):
-                try:
-                    noisy = perturb(network, ξ, source, noise)
-                except NonPositiveRadius:
-                    continue
-                found = reconstruct(
-                    noisy,
-                    packing.stiffness,
-                    method,
-                    frictional=frictional,
-                    normal_forces=true[:c] if method == "transverse" else None,
-                    xi=ξ if method == "optimal" else None,
-                    noise=noise if method == "optimal" else "diameter",
-                )
-                error = relative_error(found.forces, true, frictional=frictional)
-                normal = relative_error(found.normal, true[:c], frictional=False)
-                rows.append((k, delta, ξ, ratio, draw, error, normal, C))
-    return np.array(rows, dtype=TABLE)
+        C = amplification_of(packing, method, noise)
+        return cls(network, true, frictional, more["stiffness"], delta, method, noise, C)
+
+    def errors(self, noisy: ContactNetwork, xi: float) -> tuple[float, float]:
+        """E, of all components and of the normal ones; the method is told what it asks for."""
+        c = self.network.contacts
+        known = {"normal_forces": self.forces[:c], "xi": xi, "noise": self.noise}
+        equation = force_equation(noisy, self.frictional).with_law(self.stiffness)
+        found = informed(self.method, known).solve(equation)
+        return (
+            relative_error(found.forces, self.forces, frictional=self.frictional),
+            relative_error(found.normal, self.forces[:c], frictional=False),
+        )
+
+
+def _strengths(xis: ArrayLike) -> Floats:
+    ratios = real_array("xis", xis, None, "strength")
+    ratios = ratios.reshape(1) if ratios.ndim == 0 else ratios
+    if ratios.ndim != 1:
+        raise ValueError(f"xis has shape {ratios.shape}, expected (any,)")
+    if (ratios <= 0).any():
+        k = int(np.argmax(ratios <= 0))
+        raise ValueError(f"xis[{k}] is {ratios[k]}: strengths must be positive")
+    return ratios
 
 
 def _listed(packings: Any) -> list[Any]:

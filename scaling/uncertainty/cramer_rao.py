@@ -24,8 +24,10 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from packing.contact_law import ContactLaw
 from scaling.geometry.contact_network import ContactNetwork
-from scaling.uncertainty.error_map import ErrorMap, error_map
+from scaling.uncertainty.error_map import ErrorMap
+from scaling.uncertainty.linear_response import error_map
 
 
 def cramer_rao(
@@ -36,13 +38,39 @@ def cramer_rao(
     data: str = "all",
     frictional: bool = True,
     forces: ArrayLike | None = None,
-    stiffness: float | None = None,
+    stiffness: ArrayLike | ContactLaw | None = None,
 ) -> ErrorMap:
     """The bound at the noise-free `network`, as an error map: `.gain`, `.per_contact` ...
 
-    Standard deviations of forces are κ ξ times those of the map, ξ = `.xi` for a covariance.
-    Parameters: see `scaling.error_map`. `forces` are the true ones, for noisy positions; left out,
-    the bound is that of directions known exactly in M, higher or lower by O(Δ).
+    Parameters
+    ----------
+    network : without noise
+    noise, covariance : see `scaling.noise.noise_model`
+    data : "all", or "sizes" (with exact directions)
+    frictional : False: c normal forces, no torques
+    forces, stiffness : the true ones, for noisy positions; left out, the bound is that of
+        directions known exactly in M, higher or lower by O(Δ)
+
+    Returns
+    -------
+    E: standard deviations of forces are κ ξ times those of the map, ξ = `.xi` for a covariance.
+
+    Raises
+    ------
+    ValueError : see `error_map`.
+
+    Notes
+    -----
+    Gorman and Hero, IEEE Trans. Inf. Theory 36, 1285 (1990); Stoica and Ng, IEEE Signal Process.
+    Lett. 5, 177 (1998).
+
+    Examples
+    --------
+    >>> from scaling import ContactNetwork, cramer_rao
+    >>> triangle = ContactNetwork(
+    ...     [[0, 0], [1, 0], [0.5, 0.75**0.5]], [0.5] * 3, [(0, 1), (1, 2), (0, 2)])
+    >>> f"{cramer_rao(triangle).gain:.3f}"
+    '0.000'
     """
     return error_map(
         network,

@@ -34,8 +34,11 @@ from packing.arguments.numbers import (
     whole_number,
 )
 from packing.progress import counted
-from scaling.estimators.bounded.bounded import bounded_forces, passes
-from scaling.estimators.bounded.posterior import Posterior, Prior
+from scaling.equation.force_equation import ForceEquation
+from scaling.estimators.bounded.bounded import Bounded
+from scaling.estimators.bounded.maximum import bounded_forces, passes
+from scaling.estimators.bounded.posterior import Posterior
+from scaling.estimators.bounded.prior import Prior
 from scaling.uncertainty.exact_draws import truncated_draws
 
 SPREAD = 2.0
@@ -65,7 +68,7 @@ def posterior_draws(
     for child in rng.spawn(draws):
         data, prior, second = map(child.standard_normal, sizes)
         shifts.append((data, prior, second))
-    curved = bounded_forces(posterior, progress)[2]["curved"]
+    curved = bounded_forces(posterior, progress)[2].curved
 
     def drawn(curved: bool) -> Floats:
         each = counted(shifts, draws, "projected draws", progress)
@@ -88,7 +91,7 @@ def widened(posterior: Posterior, spread: float = SPREAD) -> Posterior:
     return replace(posterior, prior=wide)
 
 
-def credible_intervals(
+def posterior_intervals(
     posterior: Posterior,
     rng: np.random.Generator,
     *,
@@ -119,8 +122,63 @@ def credible_intervals(
     return enclosing(sample, level)
 
 
+def credible_intervals(
+    estimator: Bounded,
+    equation: ForceEquation,
+    rng: np.random.Generator,
+    *,
+    draws: int = 50,
+    level: float = 0.9,
+    method: str = "projected",
+    spread: float = SPREAD,
+) -> tuple[Floats, Floats]:
+    """Intervals that enclose each force with a given probability.
+
+    Parameters
+    ----------
+    estimator : `scaling.estimators.Bounded` with what is known; its `progress` shows a bar
+    equation : `force_equation(network).with_law(stiffness)`
+    rng : of the draws
+    draws : samples, at least 2/(1 - level)
+    level : probability, between 0 and 1
+    method : "projected" or "exact", see `scaling.uncertainty.credible_intervals`
+    spread : factor of the widths of the prior
+
+    Returns
+    -------
+    Lower and upper end, (2c,) each, forces; (c,) if frictionless.
+
+    Raises
+    ------
+    ValueError : level not in (0, 1), too few draws for it, or other bad input.
+
+    Notes
+    -----
+    Quantiles of draws from the posterior; the coverage is measured in docs/estimators.md.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scaling import ContactNetwork, credible_intervals, force_equation
+    >>> from scaling.estimators import Bounded
+    >>> loads = [[1.0, 0, 0], [-1.0, 0, 0]]
+    >>> pair = ContactNetwork([[0, 0], [0.9, 0]], [0.5, 0.5], [(0, 1)], external=loads)
+    >>> equation = force_equation(pair).with_law(10.0)
+    >>> low, high = credible_intervals(
+    ...     Bounded(friction=0.3, xi=0.01), equation, np.random.default_rng(0))
+    >>> f"{low[0]:.3f} {high[0]:.3f}"
+    '1.000 1.000'
+    """
+    instance("estimator", estimator, Bounded)
+    instance("equation", equation, ForceEquation)
+    return posterior_intervals(
+        estimator.posterior(equation), rng,
+        draws=draws, level=level, method=method, spread=spread, progress=estimator.progress,
+    )  # fmt: skip
+
+
 def enclosing(sample: Floats, level: float) -> tuple[Floats, Floats]:
-    """The interval of `credible_intervals` from draws (draws, 2c)."""
+    """The interval of `posterior_intervals` from draws (draws, 2c)."""
     sample = real_array("sample", sample, (None, None), "draw")
     if not len(sample):
         raise ValueError("sample holds no draws")

@@ -19,9 +19,9 @@ from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import flag, generator, instance, whole_number
 from packing.progress import counted
 from scaling.algebra.quadratic_program import minimise
-from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import Posterior
-from scaling.estimators.bounded.program import Programme, programme
+from scaling.estimators.bounded.program import Program, program_of
 
 _MARGINS = 10.0 ** -np.arange(1.0, 8.0)
 """Distances from the walls, in f̄, at which a start is looked for."""
@@ -59,7 +59,7 @@ def truncated_draws(
     if posterior.gaps:
         raise ValueError("exact draws are for a Gaussian prior: gaps=True has another")
     forces, _, report = bounded_forces(posterior, progress)
-    task = programme(posterior, forces, curved=report["curved"])
+    task = program_of(posterior, forces, curved=report.curved)
     centre, basis, u = _whitened(task, _interior(task))
     walls = Walls(-(task.cone @ basis), -(task.cone @ centre))
     found = []
@@ -70,7 +70,7 @@ def truncated_draws(
     return np.array(found)
 
 
-def _interior(task: Programme) -> Floats:
+def _interior(task: Program) -> Floats:
     """The most probable z that keeps a margin to every wall, the largest of a ladder."""
     for margin in _MARGINS:
         try:
@@ -82,7 +82,7 @@ def _interior(task: Programme) -> Floats:
     raise ValueError(f"no state is off all walls by {_MARGINS[-1]:g} f̄")
 
 
-def _whitened(task: Programme, start: Floats) -> tuple[Floats, Floats, Floats]:
+def _whitened(task: Program, start: Floats) -> tuple[Floats, Floats, Floats]:
     """(centre, basis, u) with z = centre + basis u, N(0, 1) in u, and u of `start`."""
     N = _null_space(task)
     if N.shape[1] == 0:  # one state alone meets all conditions
@@ -93,7 +93,7 @@ def _whitened(task: Programme, start: Floats) -> tuple[Floats, Floats, Floats]:
     return start - basis @ u, basis, u
 
 
-def _null_space(task: Programme) -> Floats:
+def _null_space(task: Program) -> Floats:
     """A basis of equal z = 0; the explicit f_n, the first c of z, are put in before."""
     explicit = np.arange(task.equal.shape[0])[task.explicit]
     c = len(explicit)

@@ -13,7 +13,7 @@ import dem
 from scaling import ContactNetwork
 from scaling.estimators.bounded.posterior import Posterior, posterior
 from scaling.geometry.high_precision import LowParts
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from tests.scaling.networks import Truth, loaded, periodic, rhombus, ring, triangle
 
 
@@ -88,5 +88,5 @@ def problem() -> Posterior:
     """The bounded problem of the packing with noise on diameters."""
     p = packing()
     network = ContactNetwork.from_packing(p)
-    noise = sources(network, xi=1e-3)
+    noise = noise_model(network, xi=1e-3)
     return posterior(network, 1.0, p.friction, noise, pressure=p.pressure)

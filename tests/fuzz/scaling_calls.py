@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 import scaling
-from scaling.estimators.bounded import posterior
+from scaling.estimators.bounded import posterior, prior
 from scaling.geometry.high_precision import LowParts
 from scaling.noise import conventions
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from scaling.uncertainty import collapse, credible_intervals, prefactor
 from scaling.uncertainty.exact_draws import truncated_draws
 from studies import contact_lists
@@ -175,8 +175,8 @@ def _posterior(rng: Rng) -> Arguments:
     s = cellular(rng)
     return {
         "network": s.network, "stiffness": 1.0, "friction": 0.3,
-        "noise": sources(s.network, xi=1e-3), "pressure": s.pressure, "data": "all",
-        "frictional": s.frictional, "prior": posterior.Prior(), "gaps": bool(rng.random() < 0.3),
+        "noise": noise_model(s.network, xi=1e-3), "pressure": s.pressure, "data": "all",
+        "frictional": s.frictional, "prior": prior.Prior(), "gaps": bool(rng.random() < 0.3),
     }  # fmt: skip
 
 
@@ -310,13 +310,13 @@ SCALING: tuple[Call, ...] = (
     Call("list_error", contact_lists.list_error, _list_error),
     Call("collapse", collapse.collapse, _collapse, 0.6),
     Call(
-        "sources",
-        sources,
+        "noise_model",
+        noise_model,
         lambda g: _with(g, noise=lambda: _pick(g, *NOISES), xi=1e-3),
     ),
     Call(
-        "sources (covariance)",
-        lambda network, covariance: sources(network, covariance=covariance),
+        "noise_model (covariance)",
+        lambda network, covariance: noise_model(network, covariance=covariance),
         lambda g: {k: v for k, v in _covariance(g).items() if k in ("network", "covariance")},
     ),
     Call("loop_shares", prefactor.loop_shares, lambda g: _with(g, "frictional"), 0.7),
@@ -324,7 +324,7 @@ SCALING: tuple[Call, ...] = (
     Call("size_response", conventions.size_response, lambda g: _with(g, noise="diameter"), 0.3),
     Call("balance_response", conventions.balance_response, lambda g: _with(g, "forces"), 0.3),
     Call("posterior", posterior.posterior, _posterior, 2),
-    Call("Prior", posterior.Prior, lambda g: {"mean": 1.0, "normal": 1.0, "tangential": 0.5}, 0.5),
+    Call("Prior", prior.Prior, lambda g: {"mean": 1.0, "normal": 1.0, "tangential": 0.5}, 0.5),
     Call(
         "posterior_draws",
         lambda draws, rng: credible_intervals.posterior_draws(problem(), rng, draws),
@@ -340,8 +340,8 @@ SCALING: tuple[Call, ...] = (
         seconds=30.0,
     ),
     Call(
-        "credible_intervals",
-        lambda **k: credible_intervals.credible_intervals(problem(), **k),
+        "posterior_intervals",
+        lambda **k: credible_intervals.posterior_intervals(problem(), **k),
         lambda g: {
             "rng": _seeded(g), "draws": 4, "level": 0.5,
             "method": _pick(g, "projected", "exact"), "spread": 2.0,

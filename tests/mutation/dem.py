@@ -7,15 +7,15 @@ from tests.mutation.mutation import Mutation
 DISKS = ("tests/dem/motion/test_two_disks.py",)
 MOTION = ("tests/dem/motion/test_motion.py",)
 POLISH = ("tests/dem/balance/test_newton.py",)
-PRECISE = ("tests/dem/protocols/test_stiffen.py",)
+EXTENDED = ("tests/dem/protocols/test_stiffen.py",)
 PACKING = ("tests/packing/test_record.py",)
 
 DEM = (
     Mutation(
         "stable step: softer spring for stiffer",
-        "dem/motion/drive.py",
-        "max(law.stiffness, 2 * law.tangential)",
-        "min(law.stiffness, 2 * law.tangential)",
+        "dem/model/law.py",
+        "max(self.stiffness, 2 * self.tangential)",
+        "min(self.stiffness, 2 * self.tangential)",
         (*MOTION, *DISKS),
     ),
     Mutation(
@@ -35,7 +35,7 @@ DEM = (
     Mutation(
         "kernel: a sliding spring goes on stretching",
         "dem/motion/kernels/disks_numpy.py",
-        "    np.divide(tangential, law.tangential, out=u)\n",
+        "    u[:] = law.elongation(tangential, overlap)\n",
         "",
         (*DISKS, *MOTION),
     ),
@@ -83,31 +83,31 @@ DEM = (
     ),
     Mutation(
         "rattlers: one contact more",
-        "dem/balance/forces_at_rest.py",
-        "return 2 if law.friction > 0 else 3",
-        "return 2 if law.friction > 0 else 2",
+        "packing/rattlers.py",
+        "return 2 if frictional else 3",
+        "return 2 if frictional else 2",
         POLISH,
     ),
     Mutation(
         "rattlers: taken off once",
-        "dem/balance/forces_at_rest.py",
+        "packing/rattlers.py",
         "        bearing &= ~drop\n",
         "        return bearing & ~drop\n",
         POLISH,
     ),
     Mutation(
-        "precise: cell grows as it should shrink",
+        "extended precision: cell grows as it should shrink",
         "dem/balance/high_precision.py",
         "grow = DoubleDouble.of(1.0) + strain",
         "grow = DoubleDouble.of(1.0) - strain",
-        PRECISE,
+        EXTENDED,
     ),
     Mutation(
-        "precise: low part of a side left out",
+        "extended precision: low part of a side left out",
         "dem/balance/high_precision.py",
         "dx = self.x[j] - self.x[i] + self.sides[0] * images[:, 0]",
         "dx = self.x[j] - self.x[i] + self.sides[0].high * images[:, 0]",
-        PRECISE,
+        EXTENDED,
     ),
     Mutation(
         "tunnelling: smaller radius for larger",

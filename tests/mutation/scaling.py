@@ -127,23 +127,23 @@ SCALING = (
     ),
     Mutation(
         "torque: opposite on the second grain",
-        "scaling/equation/force_equation.py",
+        "scaling/equation/balance.py",
         "total = csr_array((np.ones(2 * c), (grain, contact)), shape=shape)",
         "total = csr_array((np.repeat([1.0, -1.0], c), (grain, contact)), shape=shape)",
         EQUATION,
     ),
     Mutation(
         "loads: torque not over R",
-        "scaling/equation/force_equation.py",
-        "columns.append(-F[:, 2] / self.network.radii[active])",
+        "scaling/equation/balance.py",
+        "columns.append(-F[:, 2] / network.radii[self.active])",
         "columns.append(-F[:, 2])",
         EQUATION,
     ),
     Mutation(
         "closure: lattice vector left out",
-        "scaling/equation/force_equation.py",
-        "stiffness * (self.Q @ self.network.sigma - Λ)",
-        "stiffness * (self.Q @ self.network.sigma)",
+        "scaling/equation/closure.py",
+        "self.Q @ network.sigma - Λ",
+        "self.Q @ network.sigma",
         EQUATION,
     ),
     Mutation(
@@ -197,10 +197,10 @@ SCALING = (
     ),
     Mutation(
         "stiffness response: sign",
-        "scaling/noise/systematic.py",
+        "scaling/uncertainty/wrong_stiffness.py",
         "np.concatenate([np.zeros(equation.M.shape[0]), -off])",
         "np.concatenate([np.zeros(equation.M.shape[0]), off])",
-        ("tests/scaling/noise/test_systematic.py",),
+        ("tests/scaling/uncertainty/test_wrong_stiffness.py",),
     ),
     Mutation(
         "own image: one of the two left out",
@@ -239,16 +239,16 @@ SCALING = (
     ),
     Mutation(
         "optimal: noise added to the overlaps",
-        "scaling/estimators/optimal.py",
+        "scaling/estimators/optimal/least_noise.py",
         "δ - B @ (y_new - y)",
         "δ + B @ (y_new - y)",
         ("tests/scaling/estimators/test_estimators.py",),
     ),
     Mutation(
         "error map: the turn of directions, sign",
-        "scaling/uncertainty/error_map.py",
-        "-(self.balance @ η) - matrices.M_normal @ δ",
-        "self.balance @ η - matrices.M_normal @ δ",
+        "scaling/estimators/transverse.py",
+        "-(at.balance @ η) - matrices.M_normal @ δ",
+        "at.balance @ η - matrices.M_normal @ δ",
         ("tests/scaling/uncertainty/test_error_map.py",),
     ),
     Mutation(
@@ -270,7 +270,7 @@ SCALING = (
     ),
     Mutation(
         "misfit: moments counted as conditions",
-        "scaling/estimators/misfit.py",
+        "scaling/estimators/optimal/conditions.py",
         "left = balances - moments - (c if",
         "left = balances - (c if",
         ("tests/scaling/estimators/test_misfit.py",),

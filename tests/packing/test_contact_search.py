@@ -11,9 +11,9 @@ from scaling import (
     perturb,
     relative_error,
 )
-from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import posterior
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from studies.contact_lists import confusion, list_error
 from tests.conftest import packing
 from tests.scaling.packings import network_of
@@ -183,7 +183,7 @@ def false_contact(seed):
     )  # fmt: skip
 
     def solved(network, gaps):
-        noise = sources(network, "position", xi=p.delta)
+        noise = noise_model(network, "position", xi=p.delta)
         return bounded_forces(posterior(network, p.stiffness, p.friction, noise,
                                         pressure=p.pressure, gaps=gaps))[0]  # fmt: skip
 

@@ -11,7 +11,7 @@ import pytest
 from packing import progress
 from scaling import error_map, reconstruct
 from scaling.estimators.bounded.posterior import posterior
-from scaling.uncertainty.credible_intervals import credible_intervals, posterior_draws
+from scaling.uncertainty.credible_intervals import posterior_draws, posterior_intervals
 from scaling.uncertainty.exact_draws import truncated_draws
 from tests.conftest import packing
 from tests.scaling.packings import network_of
@@ -37,7 +37,7 @@ def everything(shown):
     )  # fmt: skip
     posterior_draws(problem(), rng(0), 2, progress=shown)
     truncated_draws(problem(), rng(0), 2, burn_in=1, progress=shown)
-    credible_intervals(problem(), rng(0), draws=20, progress=shown)
+    posterior_intervals(problem(), rng(0), draws=20, progress=shown)
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from dem import Packing
+from packing.provenance import Provenance
 from tests.conftest import packing
 
 
@@ -141,9 +142,16 @@ def test_numbers_of_a_packing_are_numbers(name, value):
         replace(packing(), **{name: value})
 
 
-def test_info_is_a_dictionary():
-    with pytest.raises(ValueError, match=r"info = \[1\] is no dictionary"):
-        replace(column(), info=[1])
+def test_provenance_is_a_provenance():
+    with pytest.raises(ValueError, match=r"provenance = \{\} is no Provenance"):
+        replace(column(), provenance={})
+
+
+@pytest.mark.parametrize("ratio", [0, -1.0, "1", np.nan])
+def test_a_stiffness_ratio_is_positive_or_unknown(ratio):
+    assert column().stiffness_ratio is None
+    with pytest.raises(ValueError, match="stiffness_ratio = "):
+        replace(column(), stiffness_ratio=ratio)
 
 
 #: What no argument of a packing is; for numbers and arrays alike.
@@ -248,48 +256,14 @@ def test_touching_knows_no_unit(unit):
         replace(p, **scaled | {"positions": unit * apart})
 
 
-@pytest.mark.parametrize(
-    ("info", "message"),
-    [
-        (None, "info = None is no dictionary"),
-        ("x", "info = 'x' is no dictionary"),
-        ({"x": np.nan}, r"info\['x'\] = nan is not a finite number"),
-        ({"x": {"y": [1, np.inf]}}, r"info\['x'\]\['y'\]\[1\] = inf is not a finite number"),
-        ({"x": 10**5000}, r"info\['x'\] is a whole number of more than 4000 digits"),
-        ({1: 2}, "info has the key 1: keys are text"),
-        ({"x": {None: 2}}, r"info\['x'\] has the key None"),
-        ({"x": {1, 2}}, r"info\['x'\] = \{1, 2\} is a set"),
-        ({"x": 1j}, r"info\['x'\] = 1j is a complex"),
-        ({"x": np.zeros(2)}, r"info\['x'\] = array\(\[0., 0.\]\) is a ndarray"),
-        ({"x": b"y"}, r"info\['x'\] = b'y' is a bytes"),
-        ({"x": np.timedelta64(1)}, r"info\['x'\] = .* is a timedelta64"),
-    ],
-)
-def test_info_that_no_file_could_hold_is_refused(info, message, tmp_path):
-    with pytest.raises(ValueError, match=message):
-        replace(column(), info=info)
-    later = column()
-    if isinstance(info, dict):
-        later.info.update(info)
-        with pytest.raises(ValueError, match=message):
-            later.save(tmp_path / "p.npz")
-        assert list(tmp_path.iterdir()) == []
-
-
-def test_info_that_holds_itself_is_refused():
-    info: dict = {}
-    info["x"] = info
-    with pytest.raises(ValueError, match="info is nested deeper than 50 times"):
-        replace(column(), info=info)
-
-
-def test_info_is_a_copy_of_plain_values():
-    notes = {"x": np.float32(0.5), "y": (np.int64(1), None, np.True_, "ΔΔ"), "z": {"a": [1.0]}}
-    p = replace(column(), info=notes)
-    assert p.info == {"x": 0.5, "y": [1, None, True, "ΔΔ"], "z": {"a": [1.0]}}
-    notes["z"]["a"].append(2.0)
-    replace(p, friction=0.5).info["z"]["a"].append(3.0)
-    assert p.info["z"] == {"a": [1.0]}
+def test_more_can_be_noted():
+    """The packing is another, its arrays and what was known are the same."""
+    p = replace(column(), provenance=Provenance(seed=1, notes={"by": "hand"}))
+    q = p.noted(residual=0.5, wall=3.0)
+    assert q.provenance == Provenance(seed=1, residual=0.5, notes={"by": "hand", "wall": 3.0})
+    assert p.provenance.residual is None
+    assert q.positions is p.positions
+    assert not q.positions.flags.writeable
 
 
 @pytest.mark.parametrize(

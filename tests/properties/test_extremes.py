@@ -172,7 +172,7 @@ def pull_after_steps(network: ContactNetwork, forces: np.ndarray, pressure: floa
         history=History(network.pairs, network.images, springs),
     )  # fmt: skip
     step(state, ContactLaw(), 0.1, drive=Drive(0.1, pressure), steps=5, skin=0.2)
-    return state._forces.pull
+    return state.reached.forces.pull
 
 
 def forces_or_refusal(network: ContactNetwork) -> tuple[float, float]:

@@ -25,7 +25,7 @@ from scaling import (
     perturb,
     reconstruct,
 )
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from tests.chi_squares import log_tail
 from tests.conftest import packing
 from tests.properties.strategies import (
@@ -146,7 +146,7 @@ def bounds_of_the_prefactor(p) -> tuple[float, float]:
     """
     network = network_of(p)
     equation = force_equation(network, frictional(p))
-    sums = equation.Q @ sources(network).overlaps(network).toarray()
+    sums = equation.Q @ noise_model(network).overlaps(network).toarray()
     unit = p.pressure / mean_force(p.forces, frictional=frictional(p))
     unit /= np.sqrt(equation.unknowns)
     s = equation.conditioning
@@ -175,7 +175,9 @@ def test_upper_bound_of_the_prefactor_by_geometry(p):
     """C <= c⟨σ⟩ r_max/(2A s_min), with friction: the virial bounds p/⟨|f|⟩, and each of the 2c
     corners of the faces adds at most ⟨σ⟩² to ‖Q A‖²: two unit vectors differ by 2 at most."""
     network = network_of(p)
-    sums = force_equation(network, frictional(p)).Q @ sources(network).overlaps(network).toarray()
+    sums = (
+        force_equation(network, frictional(p)).Q @ noise_model(network).overlaps(network).toarray()
+    )
     c, area = network.contacts, abs(np.linalg.det(p.cell))
     virial = c * network.distances.max() / (2 * area)
     assert p.pressure / mean_force(p.forces, frictional=frictional(p)) <= virial * (1 + 1e-6)

@@ -6,7 +6,7 @@ import numpy as np
 
 from scaling import ContactNetwork, perturb
 from scaling.estimators.bounded.posterior import posterior
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 
 
 def network_of(p):
@@ -15,7 +15,7 @@ def network_of(p):
 
 def noisy_problem(p, xi, seed, frictional=True):
     noisy = perturb(network_of(p), xi, np.random.default_rng(seed), "position")
-    noise = sources(noisy, "position", xi=xi)
+    noise = noise_model(noisy, "position", xi=xi)
     return posterior(
         noisy, p.stiffness, p.friction, noise, pressure=p.pressure, frictional=frictional
     )  # fmt: skip

@@ -28,7 +28,7 @@ from scaling import (
     to_pressure,
 )
 from scaling.noise.conventions import balance_response
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from scaling.uncertainty.prefactor import loop_shares
 from studies.contact_lists import confusion, list_error
 from tests.conftest import packing
@@ -64,7 +64,7 @@ ARRAYS = {
     "predicted": (lambda a: relative_error(a, F, frictional=True), F),
     "true": (lambda a: relative_error(F, a, frictional=True), F),
     "forces of mean_force": (lambda a: mean_force(a, frictional=True), F),
-    "covariance": (lambda a: sources(N, covariance=a), np.full(N.grains, 1e-6)),
+    "covariance": (lambda a: noise_model(N, covariance=a), np.full(N.grains, 1e-6)),
     "positions of infer_contacts": (
         lambda a: infer_contacts(a, N.radii, cell=N.cell), N.positions,
     ),

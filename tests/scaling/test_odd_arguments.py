@@ -7,13 +7,14 @@ import pytest
 
 from packing.arguments.coordinate_rounding import resolution, rounding_noise
 from scaling import flat_guess, reconstruct
-from scaling.estimators.bounded.posterior import Prior, posterior
-from scaling.noise.noise_model import sources
+from scaling.estimators.bounded.posterior import posterior
+from scaling.estimators.bounded.prior import Prior
+from scaling.noise.noise_model import noise_model
 from scaling.uncertainty.credible_intervals import (
     coverage,
-    credible_intervals,
     enclosing,
     posterior_draws,
+    posterior_intervals,
     widened,
 )
 from scaling.uncertainty.exact_draws import truncated_draws
@@ -32,7 +33,7 @@ ARRAYS = ("values", "sample", "mask", "low", "high", "true", "normal_forces", "t
 def calls():
     p = packing(grains=20, delta=1e-2)
     n, rng = network_of(p), np.random.default_rng(0)
-    problem = posterior(n, 1.0, 0.3, sources(n, xi=1e-3), pressure=p.pressure)
+    problem = posterior(n, 1.0, 0.3, noise_model(n, xi=1e-3), pressure=p.pressure)
     common = {"network": n, "stiffness": 1.0}
     ends = {"low": np.zeros(3), "high": np.ones(3), "true": np.ones(3), "slack": 0.0}
     return {
@@ -53,7 +54,7 @@ def calls():
         "posterior_draws": (posterior_draws, {"posterior": problem, "rng": rng, "draws": 1}),
         "truncated_draws": (truncated_draws, {
             "posterior": problem, "rng": rng, "draws": 1, "burn_in": 0}),
-        "credible_intervals": (credible_intervals, {
+        "posterior_intervals": (posterior_intervals, {
             "posterior": problem, "rng": rng, "draws": 20, "level": 0.9, "method": "projected",
             "spread": 2.0,
         }),
@@ -72,7 +73,7 @@ def calls():
 
 NAMES = (
     "bounded", "transverse", "lsmr", "posterior", "prior", "flat_guess", "posterior_draws",
-    "truncated_draws", "credible_intervals", "widened", "coverage", "enclosing", "inside",
+    "truncated_draws", "posterior_intervals", "widened", "coverage", "enclosing", "inside",
     "without_rattlers", "resolution", "rounding_noise",
 )  # fmt: skip
 

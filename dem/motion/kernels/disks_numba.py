@@ -1,5 +1,6 @@
 """The compiled twin of ``disks_numpy``: the same formulas, one pair at a time (extra ``fast``).
 
+Linear springs only.
 A test holds the two together to round-off over hundreds of steps.
 """
 
@@ -13,9 +14,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from dem.motion.drive import ContactLaw, Drive
-from dem.motion.kernels.disks_numpy import Forces, Motion, constants
-from dem.motion.neighbours import Neighbours
+from dem.model.drive import Drive
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
+from dem.motion.kernels.motion import Forces, Motion
 
 
 def _forces(z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, dt, pull, twist):  # type: ignore[no-untyped-def]
@@ -126,6 +128,21 @@ def _run(name: str, *arguments: Any) -> Any:
         except Exception:  # a damaged file can raise nearly anything
             _keeps = False
     return _compiled(False)[name](*arguments)
+
+
+def refuse_law(law: ContactLaw) -> None:
+    """ValueError for springs that are not linear."""
+    if law.linear is None:
+        raise ValueError(
+            f"contact = {law.contact!r}: the compiled kernel knows linear springs only; take "
+            'backend="numpy"'
+        )
+
+
+def constants(m: Motion, law: ContactLaw) -> tuple[Any, Any, Any, Any]:
+    """κ, k_t, μ and c_n as numbers of the precision in which grains move."""
+    real = m.s.dtype.type
+    return real(law.stiffness), real(law.tangential), real(law.friction), real(law.dashpot)
 
 
 def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> Forces:

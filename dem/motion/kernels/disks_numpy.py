@@ -11,14 +11,13 @@ that keeps the scheme of second order with history.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 
-from dem.motion.drive import ContactLaw, Drive
-from dem.motion.neighbours import Neighbours
-from dem.motion.state import Floats
+from dem.model.drive import Drive
+from dem.model.law import ContactLaw
+from dem.model.neighbour_list import Neighbours
+from dem.motion.kernels.motion import Forces, Motion
+from packing.arguments.arrays import Floats
 
 #: Pairs treated at a time.  What lies between positions and forces stays in the cache, and each
 #: array below the 128 kB from which the allocator asks the system anew: at 1e5 grains 2.5 times
@@ -26,36 +25,8 @@ from dem.motion.state import Floats
 BLOCK = 4096
 
 
-@dataclass
-class Forces:
-    """Net forces ``pull`` (complex), Σ f_t ``twist`` per grain, and Σ f_n r ``virial``."""
-
-    pull: np.ndarray
-    twist: Floats
-    virial: float
-
-
-@dataclass
-class Motion:
-    """Views of a state as the kernels see it: z, v complex; s = R ω; cell scale and its rate.
-
-    ``total`` is the inertia W = Σ m ⟨σ⟩² of the cell; ``rate`` is 0 in a fixed cell.
-    """
-
-    z: np.ndarray
-    v: np.ndarray
-    s: Floats
-    mass: Floats
-    total: float
-    area: float  # of the cell when scale = 1; 0 if there is none
-    scale: float  # of the cell since the neighbour list was made
-    rate: float
-
-
-def constants(m: Motion, law: ContactLaw) -> tuple[Any, Any, Any, Any]:
-    """κ, k_t, μ and c_n as numbers of the precision in which grains move."""
-    real = m.s.dtype.type
-    return real(law.stiffness), real(law.tangential), real(law.friction), real(law.dashpot)
+def refuse_law(law: ContactLaw) -> None:
+    """Every law is known here."""
 
 
 def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> Forces:
@@ -85,7 +56,8 @@ def _pair_forces(
     d = m.z[j] - m.z[i] + near.shift[pairs] * m.scale
     r = np.abs(d)
     n = d / r
-    normal = law.stiffness * np.maximum(near.sigma[pairs] - r, 0.0)
+    overlap = np.maximum(near.sigma[pairs] - r, 0.0)
+    normal = law.force(overlap)
     if law.friction or law.dashpot:
         slip = (m.v[j] - m.v[i]) * n.conj()
     if law.dashpot:
@@ -99,8 +71,9 @@ def _pair_forces(
     u += dt * (slip.imag / (1 - 0.5 * dt * slip.real / r) - turn)
     # A force of zero keeps no memory: an open contact has cap 0, hence u = 0.
     cap = law.friction * normal
-    np.minimum(np.maximum(law.tangential * u, -cap), cap, out=tangential)
-    np.divide(tangential, law.tangential, out=u)
+    k_t = law.tangential_stiffness(overlap)
+    np.minimum(np.maximum(k_t * u, -cap), cap, out=tangential)
+    u[:] = law.elongation(tangential, overlap)
     force.real = -normal
     force.imag = tangential
     force *= n

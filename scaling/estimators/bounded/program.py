@@ -1,4 +1,4 @@
-"""The quadratic programme of `bounded`, in units of f̄ and scaled for the solver.
+"""The quadratic program of `bounded`, in units of f̄ and scaled for the solver.
 
 Where distances are no data, in data="sizes" and for ξ = ∞, the pressure needs none: directions
 are exact then, and the sum over branches r n = x_j - x_i + H is, for forces that balance,
@@ -29,7 +29,7 @@ Shift = tuple[Floats, Floats, Floats]
 
 
 @dataclass(frozen=True, eq=False)
-class Programme:
+class Program:
     """min ½ zᵀP z + qᵀz, equal z = b, cone z <= 0 in z = (f/f̄ ; g η ; free moments ; κ gap/f̄ ;
     second order)."""
 
@@ -54,13 +54,13 @@ class Programme:
         return z[self.unknowns : self.unknowns + self.sources] / self.g
 
 
-def programme(
+def program_of(
     p: Posterior,
     last: Floats,
     shift: Shift | None = None,
     curved: bool = False,
-) -> Programme:
-    """The programme of a posterior, with the turning of directions at the forces `last`; if
+) -> Program:
+    """The program of a posterior, with the turning of directions at the forces `last`; if
     `curved` with the second order of distances too, see `_curvature`."""
     equation, f0, c, n = p.equation, p.mean_force, p.equation.network.contacts, p.equation.unknowns
     k = 0 if p.noise is None else p.noise.count
@@ -110,7 +110,7 @@ def programme(
     q = np.concatenate([-mean / width**2, np.zeros(k + s), price, np.zeros(w)])
     first = equation.M.shape[0]
     explicit = slice(first, first + (c if p.noise is not None and p.data == "all" else 0))
-    return Programme(
+    return Program(
         P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit
     )  # fmt: skip
 
@@ -129,7 +129,7 @@ def _curvature(p: Posterior) -> tuple[Floats, Floats]:
     network = p.equation.network
     across = p.noise.across(network) * p.noise.xi
     mean = across.multiply(across).sum(axis=1) / (2 * network.distances)
-    mean = mean * (p.stiffness / p.mean_force)
+    mean = p.equation.stiffened(mean * (p.stiffness / p.mean_force))
     return mean, np.sqrt(2) * mean
 
 
@@ -145,9 +145,9 @@ def _data(
     # True directions: M - D y, as x̃ = x + L_x y.
     turning = csr_array(p.noise.balance(network, φ) * (-p.noise.xi / g))
     if p.data == "all":
-        overlaps = network.overlaps * (p.stiffness / p.mean_force)
-        return turning, csr_array(eye_array(network.contacts, n)), B, overlaps
-    t = equation.rhs(p.stiffness)[equation.M.shape[0] :] / p.mean_force
+        overlaps = equation.stiffened(network.overlaps * (p.stiffness / p.mean_force))
+        return turning, csr_array(eye_array(network.contacts, n)), equation.stiffened(B), overlaps
+    t = equation.rhs()[equation.M.shape[0] :] / p.mean_force
     return turning, equation.matrices.closure, csr_array(equation.Q @ B), t
 
 

@@ -9,12 +9,11 @@ import pytest
 
 import dem.balance.newton as polish_module
 from dem import ContactLaw, Drive, History, NotRelaxed, Scene, Settings, State, relax, step
-from dem.balance.forces_at_rest import backbone, fewest_contacts
 from dem.balance.newton import PolishFailed, polish
 from dem.balance.tangent import PIN, Equilibrium
 from dem.motion.neighbours import find_neighbours
 from dem.protocols.loose_gas import loose_state
-from dem.protocols.relax import _speed
+from packing.rattlers import backbone, fewest_contacts
 from tests.conftest import packing
 
 
@@ -37,7 +36,7 @@ def test_tangent_is_the_derivative_of_the_residual(delta, friction):
     state, law = nearly_at_rest(delta, friction)
     # Sliding contacts sit on the kink between stick and slide; a lower cap puts them beyond it.
     law = replace(law, friction=0.7 * friction)
-    balance = Equilibrium(state, state._near, law, delta)
+    balance = Equilibrium(state, state.reached.near, law, delta)
     y, h = np.zeros(3 * len(state.radii) + 1), 1e-7
     rng = np.random.default_rng(0)
     trial = balance.trial(y)
@@ -66,13 +65,13 @@ def test_backbone_takes_rattlers_off_one_after_another():
     kept = backbone(pairs, np.ones(6, bool), 6, 2)
     assert kept.tolist() == [True] * 3 + [False] * 3
     assert not backbone(pairs, np.ones(6, bool), 6, 3).any()
-    assert fewest_contacts(ContactLaw(friction=0.3)) == 2
-    assert fewest_contacts(ContactLaw(friction=0.0)) == 3
+    assert fewest_contacts(frictional=True) == 2
+    assert fewest_contacts(frictional=False) == 3
 
 
 def test_cell_in_motion_is_not_rest():
     state = State(np.zeros((1, 2)), np.ones(1), cell=np.eye(2) * 9, strain_rate=-0.5)
-    assert _speed(state) == 0.5
+    assert state.mean_speed == 0.5
 
 
 def with_a_roller(p, slip: float) -> State:
@@ -118,10 +117,10 @@ def test_shift_lets_go_of_what_nothing_holds(monkeypatch, delta, slip, seed):
 
 def test_failed_polish_leaves_the_state_as_it_was():
     state, law = nearly_at_rest(1e-2, 0.3)
-    before = state.positions.copy(), state.cell.copy(), state._near.elongation.copy()
+    before = state.positions.copy(), state.cell.copy(), state.reached.near.elongation.copy()
     with pytest.raises(PolishFailed):
-        polish(state, state._near, law, 1.0)  # a hundred times the pressure it is at
-    after = state.positions, state.cell, state._near.elongation
+        polish(state, state.reached.near, law, 1.0)  # a hundred times the pressure it is at
+    after = state.positions, state.cell, state.reached.near.elongation
     assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
 
 
@@ -176,7 +175,7 @@ def test_a_contact_that_would_pull_is_opened(monkeypatch):
     """The weakest contact is made to pull at the end: it is opened, and bears nothing.  On the
     tangent the others balance without it, to round-off in at least three of six packings (in 13
     of 14; the others lose a second contact).  Left in, the control, the polish fails."""
-    increments, without, opened = polish_module._increments, Equilibrium.without, []
+    increments, without, opened = polish_module.increments, Equilibrium.without, []
 
     def pulling(balance, trial):
         normal, tangential, moves = increments(balance, trial)
@@ -193,8 +192,8 @@ def test_a_contact_that_would_pull_is_opened(monkeypatch):
         raise Stored(rest)
 
     monkeypatch.setattr(polish_module, "LAG", np.inf)  # it would find the pull made up
-    monkeypatch.setattr(polish_module, "_increments", pulling)
-    monkeypatch.setattr(polish_module, "_store", store)
+    monkeypatch.setattr(polish_module, "increments", pulling)
+    monkeypatch.setattr(polish_module, "store", store)
     monkeypatch.setattr(Equilibrium, "without", remember)
     residuals = []
     for seed in range(1, 7):

@@ -55,7 +55,7 @@ def test_only_contacts_overlap_in_many_packings(monkeypatch):
     assert max(map(unlisted_overlap, freed)) == 0
     assert max(p.residuals().max() for p in freed) <= 1e-9
     monkeypatch.setattr(
-        sys.modules["dem.protocols.relax"], "free_rattlers", lambda *arguments: None
+        sys.modules["dem.protocols.settling"], "free_rattlers", lambda *arguments: None
     )
     left = rattling()
     leaning = [k for k, p in enumerate(left) if unlisted_overlap(p) > 0]

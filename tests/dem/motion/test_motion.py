@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dem import ContactLaw, Drive, History, State, step
-from dem.motion.drive import stable_time_step
+from dem.model.law import stable_time_step
 from tests.dem.gases import dense_gas, pressed
 
 EPS = np.finfo(float).eps
@@ -30,7 +30,7 @@ def test_coulomb_cap_is_never_exceeded(backend):
     law, state, slid = ContactLaw(friction=0.2), dense_gas(), 0
     for _ in range(200):
         step(state, law, 0.05, backend=backend)
-        near = state._near
+        near = state.reached.near
         normal = law.stiffness * np.maximum(near.sigma - np.abs(near.branches(state)), 0)
         tangential = law.tangential * near.elongation
         cap = law.friction * normal
@@ -114,7 +114,7 @@ def test_twin_kernels_agree_over_hundreds_of_steps(friction, dashpot):
                 np.abs(one.history.elongations - two.history.elongations).max(initial=0)
                 <= tolerance
             )
-            near = one._near
+            near = one.reached.near
             normal = np.maximum(near.sigma - np.abs(near.branches(one)), 0)
             cap = friction * normal / law.stiffness_ratio
             slides |= bool(np.any((cap > 0) & (np.abs(near.elongation) > 0.999 * cap)))

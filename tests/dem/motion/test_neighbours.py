@@ -85,7 +85,7 @@ def test_skin_asked_for_is_the_skin_used():
     state = State(np.array([[0.0, 0.0], [1.4, 0.0]]), np.full(2, 0.5))
     for skin, pairs in ((0.5, 1), (0.1, 0)):
         step(state, ContactLaw(), 0.1, skin=skin, backend="numpy")
-        assert len(state._near.pairs) == pairs
+        assert len(state.reached.near.pairs) == pairs
 
 
 @pytest.mark.parametrize("skin", [0.05, 0.2, 0.5])
@@ -101,7 +101,7 @@ def test_skin_changes_the_cost_but_not_the_motion(backend, skin):
 
 def test_list_is_kept_until_half_a_skin(monkeypatch, backend):
     """A grain crossing the cell at 0.01 per step rebuilds a skin of 0.2 every tenth step."""
-    import dem.motion.step as integrator
+    import dem.motion.simulation as integrator
 
     builds = []
     real = integrator.find_neighbours

@@ -46,7 +46,7 @@ def test_the_copy_goes_where_the_original_goes(backend, way, dashpot, precision)
     with a dashpot: they depend on the velocities half a step before."""
     go = moving(dashpot, backend, precision)
     state = go(dense_gas(2), 40)
-    other, control = WAYS[way](state), replace(state, _reached=None)
+    other, control = WAYS[way](state), replace(state, reached=None)
     for s in (state, other, control):
         go(s, 20)
     tolerance = 1e4 * EPS * state.cell.max() if precision == "float64" else 100 * EPS32
@@ -63,11 +63,11 @@ def test_the_copy_shares_nothing_that_moves(backend, way):
     state = go(dense_gas(2), 10)
     other = WAYS[way](state)
     before = {k: np.copy(getattr(state, k)) for k in ("positions", "velocities", "spins", "cell")}
-    pull = state._forces.pull.copy()
+    pull = state.reached.forces.pull.copy()
     go(other, 10)
     for name, value in before.items():
         assert np.array_equal(getattr(state, name), value), name
-    assert np.array_equal(state._forces.pull, pull)
+    assert np.array_equal(state.reached.forces.pull, pull)
 
 
 @pytest.mark.parametrize("name", ["velocities", "positions", "spins", "radii"])
@@ -77,7 +77,7 @@ def test_what_is_changed_by_hand_is_felt_at_once(backend, name):
     go = moving(0.3, backend, "float64")
     state = go(dense_gas(2), 10)
     changed = getattr(state, name) * (1 + 1e-3)
-    built = replace(state, **{name: changed}, _reached=None)
+    built = replace(state, **{name: changed}, reached=None)
     replaced = replace(state, **{name: changed})
     getattr(state, name)[:] = changed
     kept = copy.copy(state)
@@ -91,6 +91,6 @@ def test_what_is_changed_by_hand_is_felt_at_once(backend, name):
 
 def test_a_state_without_motion_has_nothing_to_carry():
     state = dense_gas(0)
-    assert replace(state)._reached is None
-    with pytest.raises(ValueError, match="_reached = 3 is no Reached"):
-        replace(state, _reached=3)
+    assert replace(state).reached is None
+    with pytest.raises(ValueError, match="reached = 3 is no Reached"):
+        replace(state, reached=3)

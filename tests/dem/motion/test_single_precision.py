@@ -26,7 +26,7 @@ from tests.dem.gases import dense_gas, pressed
 from tests.dem.protocols.test_relax import balance
 
 EPS, EPS32 = np.finfo(np.float64).eps, np.finfo(np.float32).eps
-RELAX = sys.modules["dem.protocols.relax"]
+PLAN = sys.modules["dem.protocols.plan"]
 
 
 @pytest.mark.skipif(find_spec("numba") is None, reason="Numba is not installed: twin kernels")
@@ -44,8 +44,8 @@ def test_twin_kernels_agree_to_the_round_off_of_float32(friction, dashpot):
             precision=precision,
         )  # fmt: skip
     one, two, exact = states
-    assert one._forces.pull.dtype == two._forces.pull.dtype == np.complex64
-    assert one._forces.twist.dtype == two._forces.twist.dtype == np.float32
+    assert one.reached.forces.pull.dtype == two.reached.forces.pull.dtype == np.complex64
+    assert one.reached.forces.twist.dtype == two.reached.forces.twist.dtype == np.float32
     for name in ("positions", "velocities", "spins"):
         a, b, c = (getattr(s, name) for s in (one, two, exact))
         assert np.abs(a - b).max() <= 100 * EPS32, name
@@ -63,7 +63,7 @@ def noise_of_forces(delta: float, backend: str, far: float = 0.0) -> float:
         state, ContactLaw(), 0.1, drive=pressed(delta), steps=steps, skin=0.2, backend=backend,
         precision="float32",
     )  # fmt: skip
-    return float(np.abs(state._forces.pull).max() / delta)
+    return float(np.abs(state.reached.forces.pull).max() / delta)
 
 
 def test_forces_are_as_noisy_as_the_gap_of_a_contact(backend):
@@ -103,7 +103,7 @@ def test_relaxed_in_float32_and_polished_it_balances_like_any_other(backend, del
     residual, spring = balance(p)
     assert residual <= 1e-9
     assert spring <= 100
-    assert p.info["settings"]["precision"] == "float32"
+    assert p.provenance.settings["precision"] == "float32"
 
 
 def test_float32_is_refused_for_stiff_grains():
@@ -114,7 +114,7 @@ def test_float32_is_refused_for_stiff_grains():
 
 def test_beyond_the_limit_nothing_comes_to_rest(monkeypatch):
     """Why the limit is there: at Δ = 1e-6 the noise keeps the grains above the speed of rest."""
-    monkeypatch.setattr(RELAX, "SMALLEST_IN_SINGLE", 0.0)
+    monkeypatch.setattr(PLAN, "SMALLEST_IN_SINGLE", 0.0)
     for longest, precision in ((60.0, "float64"), (60.0, "float32")):
         settings = Settings(precision=precision, longest=longest)
         if precision == "float64":
@@ -127,13 +127,13 @@ def test_beyond_the_limit_nothing_comes_to_rest(monkeypatch):
 def test_numbers_of_numpy_do_not_widen_float32(monkeypatch):
     """A pressure or drag of type float64 leaves the grains in float32."""
     kernel, seen = sys.modules["dem.motion.kernels.disks_numpy"], set()
-    real = kernel._pair_forces
+    real = kernel.contact_forces
 
     def spy(motion, near, *args):
         seen.add((motion.z[near.columns[0]] + near.shift * motion.scale).dtype)
         return real(motion, near, *args)
 
-    monkeypatch.setattr(kernel, "_pair_forces", spy)
+    monkeypatch.setattr(kernel, "contact_forces", spy)
     drive = Drive(np.float64(0.1), np.float64(1e-2))
     step(
         dense_gas(), ContactLaw(), 0.05, drive=drive, steps=5,

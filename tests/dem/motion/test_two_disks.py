@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from dem import ContactLaw, Drive, State, step
-from dem.motion.drive import stable_time_step
+from dem.model.law import stable_time_step
 
 R = 0.5
 MASS = np.pi * R**2

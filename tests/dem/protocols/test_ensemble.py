@@ -18,7 +18,7 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from io import StringIO
 from itertools import count
 from pathlib import Path
@@ -26,7 +26,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import dem.protocols.ensemble as ensemble
+import dem.protocols.ensembles.ensemble as ensemble
+import dem.protocols.ensembles.key as key
 from dem import NotRelaxed, Packing, Scene, Settings, packing_key, relax, relax_ensemble
 from packing.files.npz import write_record
 
@@ -44,10 +45,10 @@ def expected() -> list[Packing]:
 
 def identical(p: Packing, q: Packing) -> bool:
     """Bit for bit, and with the same notes."""
-    arrays = [f.name for f in fields(Packing) if f.name != "info"]
+    arrays = [f.name for f in fields(Packing) if f.name != "provenance"]
     return (
         all(np.array_equal(getattr(p, name), getattr(q, name)) for name in arrays)
-        and p.info == q.info
+        and p.provenance == q.provenance
     )
 
 
@@ -145,7 +146,9 @@ def test_damage_of_any_kind_does_not_stop_a_resume(expected, tmp_path, at, value
 
 def test_stored_info_that_is_no_object_does_not_stop_a_resume(expected, tmp_path):
     file = tmp_path / f"{packing_key(SCENES[0], 1, SETTINGS)}.npz"
-    arrays = {f.name: getattr(expected[0], f.name) for f in fields(Packing) if f.name != "info"}
+    arrays = {
+        f.name: getattr(expected[0], f.name) for f in fields(Packing) if f.name != "provenance"
+    }
     write_record(file, {k: v for k, v in arrays.items() if v is not None}, [1])
     with pytest.warns(UserWarning, match="its info is a list"):
         found = relax_ensemble(SCENES[:1], [1], store=tmp_path, settings=SETTINGS, progress=False)
@@ -260,9 +263,9 @@ def test_key_tells_apart_all_that_decides_a_packing(monkeypatch):
         packing_key(Scene(24, 1e-2, friction=0.2), 1, SETTINGS),
         packing_key(scene, 1, Settings(backend="numpy", polish=False)),
     }
-    monkeypatch.setattr(ensemble, "ALGORITHM", -1)
+    monkeypatch.setattr(key, "ALGORITHM", -1)
     keys.add(packing_key(scene, 1, SETTINGS))
-    monkeypatch.setattr(ensemble, "FORMAT", -1)
+    monkeypatch.setattr(key, "FORMAT", -1)
     keys.add(packing_key(scene, 1, SETTINGS))
     assert len(keys) == 6
     assert packing_key(scene, 1, SETTINGS) == packing_key(scene, 1, SETTINGS)
@@ -272,10 +275,33 @@ def test_key_is_that_of_the_present_algorithm(monkeypatch):
     """Scene, seed, settings, backend and the number of the algorithm, on any machine: a change of
     what ``relax`` returns must change the number, and with it the names of stored packings."""
     scene, plain = Scene(48, 1e-3), Settings(backend="numpy")
-    assert ensemble.ALGORITHM == 6
-    assert packing_key(scene, 1, plain) == "1e2ff841a108252ba7fc8889"
-    monkeypatch.setattr(ensemble, "ALGORITHM", 5)
-    assert packing_key(scene, 1, plain) != "1e2ff841a108252ba7fc8889"
+    assert key.ALGORITHM == 6
+    assert packing_key(scene, 1, plain) == "fd93b401f4b4b14a945b3a39"
+    monkeypatch.setattr(key, "ALGORITHM", 5)
+    assert packing_key(scene, 1, plain) != "fd93b401f4b4b14a945b3a39"
+
+
+def test_a_new_field_at_its_default_empties_no_store():
+    """Keys know what differs from the defaults; that these are what they were when the number of
+    the algorithm was last raised is seen here."""
+
+    @dataclass(frozen=True)
+    class Sheared(Scene):
+        shear: float = 0.0
+
+    assert packing_key(Sheared(24, 1e-2), 1, SETTINGS) == packing_key(SCENES[0], 1, SETTINGS)
+    assert packing_key(Sheared(24, 1e-2, shear=0.1), 1, SETTINGS) != packing_key(
+        SCENES[0], 1, SETTINGS
+    )
+    default = {f.name: f.default for record in (Scene, Settings) for f in fields(record)[2:]}
+    assert key.ALGORITHM == 6
+    assert default == {
+        "friction": 0.3, "polydispersity": 0.3, "stiffness_ratio": 0.5, "aspect": 1.0,
+        "contact": "linear", "boundary": "periodic", "dashpot": 0.0, "velocity_tolerance": None,
+        "residual_tolerance": 1e-9, "skin": 0.2, "polish": True, "longest": 3000.0,
+        "backend": "auto", "precision": "float64",
+    }  # fmt: skip
+    assert (Settings().time_step, Settings().drag) == (0.8, 1.0)
 
 
 def test_settings_of_equal_value_have_one_key():
@@ -290,7 +316,7 @@ def test_settings_of_equal_value_have_one_key():
 def test_settings_from_numpy_are_stored(tmp_path):
     settings = Settings(backend="numpy", time_step=np.float32(0.5), longest=np.int64(3000))
     relax(Scene(24, 1e-1), 1, settings=settings, progress=False).save(tmp_path / "p.npz")
-    assert Packing.load(tmp_path / "p.npz").info["settings"]["time_step"] == 0.5
+    assert Packing.load(tmp_path / "p.npz").provenance.settings["time_step"] == 0.5
 
 
 def test_store_that_is_a_file_is_refused_before_any_work(tmp_path):
@@ -304,7 +330,7 @@ def test_foreign_packing_under_a_good_name_is_not_loaded(expected, tmp_path):
     expected[0].save(tmp_path / f"{packing_key(SCENES[0], 7, SETTINGS)}.npz")
     with pytest.warns(UserWarning, match="holds another scene or seed"):
         found = relax_ensemble(SCENES[:1], [7], store=tmp_path, settings=SETTINGS, progress=False)
-    assert found[0].info["seed"] == 7
+    assert found[0].provenance.seed == 7
 
 
 def test_numbers_of_numpy_are_numbers(tmp_path):
@@ -440,12 +466,12 @@ def test_odd_keys_are_refused(odd, message):
 @pytest.mark.parametrize(
     ("scene", "seed", "settings", "key"),
     [
-        (Scene(48, 1e-8), 3, {}, "5499d316469304c8c3ca968e"),
-        (Scene(24, 1e-2, friction=0.0), 2**70, {"polish": False}, "5ddfe5fc8f75e26340e663dd"),
+        (Scene(48, 1e-8), 3, {}, "441ab94f14e748a272197503"),
+        (Scene(24, 1e-2, friction=0.0), 2**70, {"polish": False}, "71103ce38f02dc0f032c8dd7"),
     ],
 )
 def test_keys_outlive_the_format_of_the_file(scene, seed, settings, key):
-    """As when files were of format 1: what was stored then is found now."""
+    """As when files were of format 4: what was stored then is found now."""
     assert packing_key(scene, seed, Settings(backend="numpy", **settings)) == key
 
 
@@ -578,13 +604,13 @@ def test_a_killed_worker_is_reported_with_what_it_held(tmp_path, monkeypatch):
     assert "delta=0.03" in held
     assert "seed 3" in held
     assert waiting == "and 2 more packings had not been begun"
-    stored = sorted(Packing.load(file).info["seed"] for file in tmp_path.glob("*.npz"))
+    stored = sorted(Packing.load(file).provenance.seed for file in tmp_path.glob("*.npz"))
     assert stored == [1, 2]
     monkeypatch.undo()
     found = relax_ensemble(
         scenes, [1, 2, 3, 4, 5], store=tmp_path, settings=SETTINGS, progress=False
     )
-    assert [p.info["seed"] for p in found] == [1, 2, 3, 4, 5]
+    assert [p.provenance.seed for p in found] == [1, 2, 3, 4, 5]
 
 
 def test_other_failures_are_named_beside_the_first():
@@ -607,7 +633,7 @@ def test_a_full_disk_keeps_what_still_fits(tmp_path, monkeypatch):
     whole = Packing.save
 
     def save(self, path):
-        if self.info["seed"] == 3:
+        if self.provenance.seed == 3:
             raise OSError(28, "No space left on device", str(path))
         whole(self, path)
 
@@ -639,13 +665,13 @@ def test_progress_where_there_is_no_terminal(tmp_path, monkeypatch, err, progres
 
 def test_failures_are_counted_by_the_bar(monkeypatch):
     counts = []
-    bar = ensemble._bar
+    bar = ensemble.packings_bar
 
     def kept(*arguments):
         counts.append(bar(*arguments))
         return counts[-1]
 
-    monkeypatch.setattr(ensemble, "_bar", kept)
+    monkeypatch.setattr(ensemble, "packings_bar", kept)
     monkeypatch.setattr(sys, "stderr", StringIO())
     with pytest.raises(ValueError, match="times its largest grain"):
         relax_ensemble(

@@ -139,7 +139,7 @@ def test_forces_of_few_grains_are_reconstructed():
 
 def test_images_left_out_would_be_missed(monkeypatch):
     """The control: with the nearest images alone three grains never balance."""
-    import dem.motion.step as integrator
+    import dem.motion.simulation as integrator
 
     real = integrator.find_neighbours
 

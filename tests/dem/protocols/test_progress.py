@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from dem import NotRelaxed, PolishFailed, Scene, Settings, ramp, relax, stiffen
-from dem.protocols.progress import PressureBar, RestBar
+from dem.protocols.progress import PressureBar, RelaxationBar
 from packing.progress import bar, hidden
 from tests.conftest import packing
 
-RELAX = sys.modules["dem.protocols.relax"]
+RELAXATION = sys.modules["dem.protocols.relaxation"]
+SETTLING = sys.modules["dem.protocols.settling"]
 
 
 @pytest.mark.parametrize(
@@ -22,20 +23,20 @@ RELAX = sys.modules["dem.protocols.relax"]
 )
 def test_any_speed_has_its_place_on_the_bar(capsys, speed, decades):
     """None lost yet when the speed is not known, or above that of the start; all when at rest."""
-    with RestBar(1e-3, 1e-5, 100, True) as rest:
+    with RelaxationBar(1e-3, 1e-5, 100, True) as rest:
         rest.show(200, speed)
-        assert rest._bar.n == pytest.approx(decades)
-        assert rest._bar.n < rest._bar.total
-    assert rest._bar.n == rest._bar.total
+        assert rest.reached == pytest.approx(decades)
+        assert rest.reached < rest.total
+    assert rest.reached == rest.total
 
 
 def test_a_gas_at_rest_is_not_near_its_pressure(capsys):
     """The start is at rest, and has no pressure: two decades of it are to come."""
-    with RestBar(1e-3, 1e-5, 100, True, tolerance=0.01) as rest:
+    with RelaxationBar(1e-3, 1e-5, 100, True, tolerance=0.01) as rest:
         rest.show(200, 1e-6, 1.0)
-        assert rest._bar.n == pytest.approx(3.0)
+        assert rest.reached == pytest.approx(3.0)
         rest.show(400, 1e-6, 1e-3)
-        assert rest._bar.n == pytest.approx(5.0)
+        assert rest.reached == pytest.approx(5.0)
 
 
 #: Mean speed in √(p/ρ), error of the pressure, whether the polish was tried and failed: a
@@ -54,16 +55,16 @@ def test_recorded_relaxations_fill_the_bar_at_their_end(capsys):
     """It never goes back, rises at each look, and is full only when the packing is there; the
     decades of speed alone (the control) are full for half of the looks."""
     shares, alone = [], []
-    with RestBar(1e-3, 1e-5, 10_000, True) as rest:
+    with RelaxationBar(1e-3, 1e-5, 10_000, True) as rest:
         for look, (speed, error, failed) in enumerate(RECORDED):
             rest.show(200 * look, speed, error)
-            shares.append(rest._bar.n / rest._bar.total)
+            shares.append(rest.reached / rest.total)
             alone.append(min(log10(1 / speed) / 5, 1.0))
             if failed:
                 rest.failed(speed / 10)
     assert np.all(np.diff(shares) > 0)
     assert shares[-1] < 1
-    assert rest._bar.n == rest._bar.total
+    assert rest.reached == rest.total
     assert 0.4 < np.mean(np.array(shares) < 0.85) < 0.6
     assert np.mean(np.array(alone) == 1) > 0.5
 
@@ -72,16 +73,16 @@ def test_recorded_relaxations_fill_the_bar_at_their_end(capsys):
 def test_a_relaxation_fills_its_bar_at_its_end(monkeypatch, capsys, failures):
     """As the relaxation itself reports it, polishes that fail included."""
     shares, left = [], [failures]
-    polish = RELAX.polish
+    polish = SETTLING.polish
 
-    class Recorder(RestBar):
+    class Recorder(RelaxationBar):
         def show(self, step, speed, pressure_error=0.0):
             super().show(step, speed, pressure_error)
-            shares.append(self._bar.n / self._bar.total)
+            shares.append(self.reached / self.total)
 
         def __exit__(self, *error):
             super().__exit__(*error)
-            shares.append(self._bar.n / self._bar.total)
+            shares.append(self.reached / self.total)
 
     def reluctant(*arguments):
         if left[0] > 0:
@@ -89,8 +90,8 @@ def test_a_relaxation_fills_its_bar_at_its_end(monkeypatch, capsys, failures):
             raise PolishFailed("not yet")
         return polish(*arguments)
 
-    monkeypatch.setattr(RELAX, "RestBar", Recorder)
-    monkeypatch.setattr(RELAX, "polish", reluctant)
+    monkeypatch.setattr(RELAXATION, "RelaxationBar", Recorder)
+    monkeypatch.setattr(SETTLING, "polish", reluctant)
     relax(Scene(24, 1e-3), 1, progress=True)
     assert np.all(np.diff(shares) >= 0)
     assert shares[-1] == 1
@@ -101,15 +102,15 @@ def test_a_relaxation_fills_its_bar_at_its_end(monkeypatch, capsys, failures):
 def test_a_relaxation_that_fails_does_not_fill_its_bar(monkeypatch, capsys):
     bars = []
 
-    class Kept(RestBar):
+    class Kept(RelaxationBar):
         def __init__(self, *arguments):
             super().__init__(*arguments)
             bars.append(self)
 
-    monkeypatch.setattr(RELAX, "RestBar", Kept)
+    monkeypatch.setattr(RELAXATION, "RelaxationBar", Kept)
     with pytest.raises(NotRelaxed):
         relax(Scene(24, 1e-3), 1, settings=Settings(longest=2.0), progress=True)
-    assert bars[0]._bar.n < bars[0]._bar.total
+    assert bars[0].reached < bars[0].total
 
 
 @pytest.mark.parametrize("end", [1e-6, 1e-1])
@@ -118,14 +119,14 @@ def test_decades_of_pressure_are_counted_up_and_down(capsys, end):
         seen = []
         for p in np.geomspace(1e-3, end, 7)[1:-1]:
             stage.show(float(p))
-            seen.append(stage._bar.n / stage._bar.total)
+            seen.append(stage.reached / stage.total)
     assert seen == pytest.approx(np.arange(1, 6) / 6, abs=1e-3)
-    assert stage._bar.n == stage._bar.total
+    assert stage.reached == stage.total
 
 
 def long_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bars of what takes long appear at once."""
-    monkeypatch.setattr(sys.modules["dem.protocols.progress"], "_DELAY", 0.0)
+    monkeypatch.setattr(sys.modules["dem.protocols.progress"], "DELAY", 0.0)
 
 
 def test_stages_of_ramps_and_continuations_have_bars(monkeypatch, capsys):

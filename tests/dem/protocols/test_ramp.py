@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dem import History, NotRelaxed, Packing, Settings, ramp, stiffen
+from packing.provenance import Provenance
 from scaling import ContactNetwork, reconstruct, relative_error
 from tests.conftest import packing
 from tests.dem.protocols.test_relax import balance
@@ -43,7 +44,7 @@ def test_coordination_and_density_follow_the_pressure(cycles):
             residual, spring = balance(p)
             assert residual <= 1e-9
             assert spring <= 100
-            assert p.info["ramp"] == {"from": before.delta}
+            assert p.provenance.ramp == {"from": before.delta}
 
 
 def test_what_comes_back_is_near_the_start_but_denser(cycles):
@@ -85,8 +86,8 @@ def test_history_is_kept(monkeypatch):
     (same,) = ramp(p, [1e-3], settings=QUICK, progress=False)
     assert contacts(same) == contacts(p)
     assert np.abs(same.forces - p.forces).max() <= 1e-8 * p.pressure
-    kept = RAMP._state
-    monkeypatch.setattr(RAMP, "_state", lambda *a: replace(kept(*a), history=History()))
+    kept = RAMP.state_of
+    monkeypatch.setattr(RAMP, "state_of", lambda *a: replace(kept(*a), history=History()))
     (forgetful,) = ramp(p, [1e-3], settings=QUICK, progress=False)
     assert np.abs(forgetful.positions - p.positions).max() > 1e-2 * p.delta
 
@@ -162,10 +163,14 @@ def test_wrong_ramps(change, message):
         ramp(**({"packing": packing(), "deltas": [1e-2], "progress": False} | change))
 
 
+def of_unknown_origin(p: Packing) -> Packing:
+    return replace(p, stiffness_ratio=None, provenance=Provenance())
+
+
 def test_packing_of_unknown_origin_can_be_ramped():
-    """No scene in its info: grains, friction and Δ are in the arrays, k_t/κ is to be given.  It
+    """No scene on record: grains, friction and Δ are in the arrays, k_t/κ is to be given.  It
     is then on record; sizes and seed, which nobody knows, are not made up."""
-    p = replace(packing(), info={})
+    p = of_unknown_origin(packing())
     with pytest.raises(ValueError, match=r"does not record the k_t/κ .* give stiffness_ratio"):
         ramp(p, [2e-3], settings=QUICK, progress=False)
     (up,) = ramp(p, [2e-3], stiffness_ratio=0.5, settings=QUICK, progress=False)
@@ -173,17 +178,17 @@ def test_packing_of_unknown_origin_can_be_ramped():
     assert up.delta == 2e-3
     (known,) = ramp(packing(), [2e-3], settings=QUICK, progress=False)
     assert np.array_equal(up.forces, known.forces)
-    assert up.info["stiffness_ratio"] == 0.5
-    assert "scene" not in up.info
-    assert "seed" not in up.info
+    assert up.stiffness_ratio == 0.5
+    assert up.provenance.scene is None
+    assert up.provenance.seed is None
     (further,) = ramp(up, [3e-3], settings=QUICK, progress=False)  # from the record
-    assert further.info["stiffness_ratio"] == 0.5
+    assert further.stiffness_ratio == 0.5
     with pytest.raises(ValueError, match=r"stiffness_ratio = -1\.0 is not"):
         ramp(p, [2e-3], stiffness_ratio=-1, settings=QUICK, progress=False)
 
 
 def test_without_friction_there_is_no_spring_to_know():
-    p = replace(packing(friction=0.0), info={})
+    p = of_unknown_origin(packing(friction=0.0))
     (up,) = ramp(p, [1.1e-3], settings=QUICK, progress=False)
     assert up.friction == 0
 
@@ -193,8 +198,9 @@ def test_friction_is_that_of_the_packing(friction):
     """Not that of the scene it was made for: rougher grains, the same sizes and seed."""
     (up,) = ramp(replace(packing(), friction=friction), [2e-3], settings=QUICK, progress=False)
     assert up.friction == friction
-    assert up.info["scene"] == packing().info["scene"] | {"friction": friction, "delta": 2e-3}
-    assert up.info["seed"] == packing().info["seed"]
+    scene = packing().provenance.scene
+    assert up.provenance.scene == scene | {"friction": friction, "delta": 2e-3}
+    assert up.provenance.seed == packing().provenance.seed
 
 
 def in_unit(p: Packing, length: float) -> Packing:
@@ -218,5 +224,5 @@ def test_a_ramp_does_not_depend_on_the_unit_of_length(seed):
         (other,) = ramp(in_unit(p, length), [2e-3], settings=QUICK, progress=False)
         assert other.radii == pytest.approx(length * p.radii, rel=4 * EPS)
         assert other.residuals().max() <= 1e-9
-        assert 0.2 < other.info["steps"] / there.info["steps"] < 5
+        assert 0.2 < other.provenance.steps / there.provenance.steps < 5
         assert len(contacts(other) & contacts(p)) > 0.7 * len(p.pairs)

@@ -43,7 +43,7 @@ def test_stored_forces_balance_and_obey_the_contact_law(delta, friction):
     residual, spring = balance(p)
     assert residual <= 1e-9
     assert spring <= 10
-    assert p.info["residual"] == pytest.approx(residual, rel=1, abs=1e-13)
+    assert p.provenance.residual == pytest.approx(residual, rel=1, abs=1e-13)
     assert p.normal_forces.min() > 0
     cap = friction * p.normal_forces
     assert np.all(np.abs(p.tangential_forces) <= cap + 1e-9 * p.pressure)
@@ -66,9 +66,9 @@ def test_polish_moves_a_packing_no_further_than_rest_does():
     delta = 1e-3
     polished = packing(delta=delta, seed=2)
     rested = packing(delta=delta, seed=2, polish=False)
-    assert rested.info["speed"] < 1e-8
-    assert rested.info["residual"] < 1e-4
-    assert polished.info["steps"] < rested.info["steps"]
+    assert rested.provenance.speed < 1e-8
+    assert rested.provenance.residual < 1e-4
+    assert polished.provenance.steps < rested.provenance.steps
     assert np.array_equal(polished.pairs, rested.pairs)
     assert np.abs(polished.forces - rested.forces).max() < 1e-3 * delta
 
@@ -116,7 +116,7 @@ def test_not_relaxed_travels_between_processes():
     assert (str(came), came.__notes__) == (str(sent), ["from afar"])
     assert (came.speed, came.residual) == (sent.speed, sent.residual)
     assert np.array_equal(came.state.positions, sent.state.positions)
-    assert came.state._near is None
+    assert came.state.reached.near is None
     for state in (sent.state, came.state):
         step(state, ContactLaw(), 0.1, drive=Drive(0.1, 1e-2), steps=20, skin=0.2)
     assert np.abs(came.state.positions - sent.state.positions).max() <= 1e5 * EPS

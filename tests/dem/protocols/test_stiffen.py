@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 
-import dem.protocols.ensemble as ensemble
+import dem.protocols.ensembles.key as key
 from dem import (
     NotRelaxed,
     Packing,
@@ -23,12 +23,13 @@ from dem import (
     stiffen,
 )
 from tests.conftest import packing
-from tests.dem.protocols.test_ramp import in_unit, loaded, sheared
+from tests.dem.protocols.test_ramp import in_unit, loaded, of_unknown_origin, sheared
 from tests.dem.protocols.test_relax import balance
 from tests.packing.test_record import column
 
 EPS = np.finfo(float).eps
-STIFFEN = sys.modules["dem.protocols.stiffen"]
+CONTINUATION = sys.modules["dem.protocols.continuation"]
+PREDICTION = sys.modules["dem.balance.prediction"]
 
 
 def exact_overlaps(p: Packing) -> list[mpmath.mpf]:
@@ -67,7 +68,7 @@ def test_relax_reaches_tiny_deformations(delta, friction):
     virial = p.normal_forces @ np.abs(p.branches) / (2 * np.linalg.det(p.cell))
     assert virial == pytest.approx(delta, rel=1e-12)
     assert p.delta == delta
-    assert p.info["scene"]["delta"] == delta
+    assert p.provenance.scene["delta"] == delta
 
 
 def test_doubles_alone_cannot_hold_the_gap():
@@ -88,7 +89,7 @@ def test_refined_packing_is_the_same_one_to_its_rounding():
     assert np.abs(moved - np.median(moved, axis=0)).max() <= 1e-8 * p.delta
     assert np.abs(p.forces - q.forces).max() <= 1e-7 * p.pressure
     assert q.residuals().max() <= 1e-13
-    assert q.info["scene"] == p.info["scene"]
+    assert q.provenance.scene == p.provenance.scene
 
 
 @pytest.mark.parametrize("friction", [0.3, 0.0])
@@ -177,7 +178,7 @@ def test_wrong_continuations_are_refused():
         with pytest.raises(ValueError, match="rectangle of positive sides: continuation"):
             continued(sheared(packing()))
         with pytest.raises(ValueError, match="give stiffness_ratio"):
-            continued(replace(packing(), info={}))
+            continued(of_unknown_origin(packing()))
 
 
 def lasting(seed: int = 1) -> Packing:
@@ -194,18 +195,18 @@ def lasting(seed: int = 1) -> Packing:
 def test_springs_of_a_packing_of_unknown_origin_are_given():
     p = lasting()
     known, given = (
-        stiffen(replace(p, info=info), 1e-5, **ratio)
-        for info, ratio in ((p.info, {}), ({}, {"stiffness_ratio": 0.5}))
+        stiffen(q, 1e-5, **ratio)
+        for q, ratio in ((p, {}), (of_unknown_origin(p), {"stiffness_ratio": 0.5}))
     )
     assert np.array_equal(known.forces, given.forces)
-    assert given.info["stiffness_ratio"] == 0.5
+    assert given.stiffness_ratio == 0.5
 
 
 def test_a_continued_packing_is_on_record_at_its_own_delta():
     p = lasting()
-    before = dict(p.info["scene"])
-    assert stiffen(p, 1e-5).info["scene"] == before | {"delta": 1e-5}
-    assert p.info["scene"] == before
+    before = dict(p.provenance.scene)
+    assert stiffen(p, 1e-5).provenance.scene == before | {"delta": 1e-5}
+    assert p.provenance.scene == before
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -223,13 +224,13 @@ def test_continuation_does_not_depend_on_the_unit_of_length(seed):
 
 def test_the_final_residual_is_looked_at(monkeypatch):
     """Forces spoilt after Newton's method are not handed on."""
-    real = STIFFEN.newton
+    real = CONTINUATION.newton
 
     def spoilt(*args):
         trial, spent = real(*args)
         return replace(trial, normal=trial.normal * np.linspace(1, 1 + 1e-9, len(trial.r))), spent
 
-    monkeypatch.setattr(STIFFEN, "newton", spoilt)
+    monkeypatch.setattr(CONTINUATION, "newton", spoilt)
     with pytest.raises(PolishFailed, match=r"the residual is .* p, allowed 1e-11"):
         refine(packing())
 
@@ -237,14 +238,14 @@ def test_the_final_residual_is_looked_at(monkeypatch):
 def test_contacts_missed_by_a_continuation_are_found(monkeypatch):
     """The list that Newton used lacks a pair that overlaps in the end: PolishFailed, and
     NotRelaxed from ``relax``, which says where and carries the packing it came from."""
-    real, p = STIFFEN.refuse_missed_contacts, lasting()
+    real, p = CONTINUATION.refuse_missed_contacts, lasting()
 
     def blind(state, near):
         deepest = int(np.argmax(near.sigma - np.abs(near.branches(state))))
         keep = np.arange(len(near.pairs)) != deepest
         real(state, replace(near, pairs=near.pairs[keep], images=near.images[keep]))
 
-    monkeypatch.setattr(STIFFEN, "refuse_missed_contacts", blind)
+    monkeypatch.setattr(CONTINUATION, "refuse_missed_contacts", blind)
     for continued in (refine, lambda p: stiffen(p, 1e-4)):
         with pytest.raises(PolishFailed, match="not on the neighbour list"):
             continued(p)
@@ -264,7 +265,7 @@ def test_singular_matrices_are_failures_of_the_polish(monkeypatch):
             refine(packing(delta=1e-5))
         with pytest.raises(NotRelaxed, match="exactly singular"):
             relax(Scene(24, 1e-1), 1, settings=Settings(longest=60.0), progress=False)
-    monkeypatch.setattr(STIFFEN, "splu", singular)
+    monkeypatch.setattr(PREDICTION, "splu", singular)
     with pytest.raises(PolishFailed, match="exactly singular"):
         stiffen(packing(), 1e-4)
 
@@ -274,7 +275,7 @@ def test_keys_of_continued_packings_are_their_own(monkeypatch):
     plain = Settings(backend="numpy")
     scenes = [Scene(48, 1e-3), Scene(48, 1e-7)]
     before = [packing_key(s, 1, plain) for s in scenes]
-    monkeypatch.setattr(ensemble, "CONTINUATION", -1)
+    monkeypatch.setattr(key, "CONTINUATION", -1)
     after = [packing_key(s, 1, plain) for s in scenes]
     assert (before[0] == after[0], before[1] == after[1]) == (True, False)
     assert packing_key(Scene(48, 1e-7), 1, plain) != packing_key(

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-import dem.protocols.workers as workers
-from dem.protocols.workers import Watched
+import dem.protocols.ensembles.workers as workers
+from dem.protocols.ensembles.workers import Watched
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="kills processes by signals")
 
@@ -25,7 +25,7 @@ import ctypes, multiprocessing, os, sys, threading, time
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
-import dem.protocols.ensemble as ensemble, dem.protocols.run as run
+import dem.protocols.ensembles.ensemble as ensemble, dem.protocols.ensembles.run as run
 from dem import Scene, relax_ensemble
 
 method, work, folder = sys.argv[1:]
@@ -135,7 +135,7 @@ def test_unwatched_workers_are_orphans(tmp_path):
 
 
 def watched() -> tuple[int, int] | None:
-    return workers._watching
+    return workers.watching
 
 
 @pytest.fixture(scope="module")
@@ -167,7 +167,7 @@ def test_a_pool_outlives_the_thread_that_used_it(pool):
     with ThreadPoolExecutor(1) as threads, ProcessPoolExecutor(1) as forked:
         worker = threads.submit(lambda: forked.submit(Watched(os.getpid)).result()).result()
         threads.shutdown()
-        time.sleep(2 * workers._PERIOD)
+        time.sleep(2 * workers.PERIOD)
         assert forked.submit(Watched(os.getpid)).result() == worker
 
 

@@ -13,7 +13,7 @@ from dem.balance.missed_contacts import NotRight, refuse_missed_contacts
 from dem.motion.neighbours import find_neighbours
 from tests.dem.protocols.test_relax import balance
 
-RELAX = sys.modules["dem.protocols.relax"]
+SETTLING = sys.modules["dem.protocols.settling"]
 SCENE = Scene(48, 1e-2)
 
 
@@ -48,9 +48,9 @@ def test_default_time_step_cuts_the_steps_by_three_and_keeps_the_statistics():
         [relax(scene, s, settings=settings, progress=False) for s in seeds]
         for settings in (Settings(time_step=0.2), Settings())
     )
-    steps = [np.median([p.info["steps"] for p in some]) for some in (usual, quick)]
+    steps = [np.median([p.provenance.steps for p in some]) for some in (usual, quick)]
     assert steps[0] / steps[1] > 2.5
-    assert max(p.info["residual"] for p in quick) <= 1e-9
+    assert max(p.provenance.residual for p in quick) <= 1e-9
     measures = (
         lambda p: p.coordination,
         lambda p: p.solid_fraction,
@@ -89,8 +89,8 @@ def test_velocity_tolerance_that_stops_before_rest_is_refused(tolerance):
 
 
 def test_a_missed_contact_is_found(monkeypatch):
-    """The audit of the final list: take one force-bearing pair off it."""
-    settle = RELAX.refuse_missed_contacts
+    """The final list is looked over: take one force-bearing pair off it."""
+    settle = SETTLING.refuse_missed_contacts
 
     def blind(state, near):
         r = np.abs(near.branches(state))
@@ -99,7 +99,7 @@ def test_a_missed_contact_is_found(monkeypatch):
         near.pairs, near.images = near.pairs[keep], near.images[keep]
         settle(state, near)
 
-    monkeypatch.setattr(RELAX, "refuse_missed_contacts", blind)
+    monkeypatch.setattr(SETTLING, "refuse_missed_contacts", blind)
     with pytest.raises(NotRelaxed, match=r"were not on the neighbour list: take a wider skin"):
         relax(SCENE, 1, progress=False)
 
@@ -109,10 +109,10 @@ def test_a_grain_inside_another_is_found(monkeypatch):
         """A grain grows until it holds the centre of the first it is listed with."""
         i, _ = near.pairs[0]
         state.radii[i] = 1.01 * np.abs(near.branches(state)[0])
-        _audit(state, near)
+        refuse(state, near)
 
-    _audit = RELAX.refuse_missed_contacts
-    monkeypatch.setattr(RELAX, "refuse_missed_contacts", tunnelled)
+    refuse = SETTLING.refuse_missed_contacts
+    monkeypatch.setattr(SETTLING, "refuse_missed_contacts", tunnelled)
     with pytest.raises(NotRelaxed, match=r"holds the centre|were not on the neighbour list"):
         relax(SCENE, 1, progress=False)
 

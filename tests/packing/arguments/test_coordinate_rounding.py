@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from benchmarks import rounding
 from packing.arguments.coordinate_rounding import resolution, rounding_noise
 from scaling import (
     CoarseCoordinatesWarning,
@@ -22,6 +21,7 @@ from scaling import (
     rounded,
     tiled,
 )
+from studies.experiment import rounding
 from tests.conftest import packing
 from tests.scaling.networks import lattice, rhombus, ring, triangle
 

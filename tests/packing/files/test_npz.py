@@ -17,7 +17,7 @@ import pytest
 
 from dem import Packing
 from packing.files.archive import read_arrays, write_arrays
-from packing.files.npz import FORMAT, _checksum, write_record
+from packing.files.npz import FORMAT, checksum, write_record
 from tests.conftest import packing
 from tests.fuzz.files import same
 from tests.packing.test_record import column
@@ -75,7 +75,7 @@ def test_unknown_compression_and_encryption_are_damage(tmp_path, at, value):
 
 def test_info_that_is_no_object_is_refused(tmp_path):
     path = tmp_path / "p.npz"
-    arrays = {f.name: getattr(column(), f.name) for f in fields(Packing) if f.name != "info"}
+    arrays = {f.name: getattr(column(), f.name) for f in fields(Packing) if f.name != "provenance"}
     for info, kind in (([1], "list"), (None, "NoneType"), ("x", "str")):
         write_record(path, {k: v for k, v in arrays.items() if v is not None}, info)
         with pytest.raises(ValueError, match=rf"p\.npz .* its info is a {kind}"):
@@ -91,7 +91,7 @@ def test_parts_of_one_process_do_not_meet(tmp_path, monkeypatch):
     """Same target and process number, as of two threads: two names."""
     parts = []
     monkeypatch.setattr(
-        "packing.files.npz._write", lambda stream, *a: parts.append(Path(stream.name).name)
+        "packing.files.npz.write_to", lambda stream, *a: parts.append(Path(stream.name).name)
     )
     for _ in range(2):
         column().save(tmp_path / "p.npz")
@@ -112,7 +112,7 @@ def test_flipped_byte_is_refused(tmp_path):
     path = tmp_path / "p.npz"
     packing().save(path)
     data = bytearray(path.read_bytes())
-    data[len(data) // 3] ^= 0xFF
+    data[data.index(b"positions.npy") + 200] ^= 0xFF
     path.write_bytes(data)
     with pytest.raises(ValueError, match=r"p\.npz"):
         Packing.load(path)
@@ -123,7 +123,7 @@ def test_foreign_and_newer_files_are_refused(tmp_path):
     with pytest.raises(ValueError, match=r"other\.npz is an npz, but not of a packing"):
         Packing.load(tmp_path / "other.npz")
     np.savez(tmp_path / "newer.npz", format=99)
-    with pytest.raises(ValueError, match="has format 99; 1, 2 and 3 are those known"):
+    with pytest.raises(ValueError, match="has format 99; 1, 2, 3 and 4 are those known"):
         Packing.load(tmp_path / "newer.npz")
     np.savez(tmp_path / "bare.npz", format=1)
     with pytest.raises(ValueError, match="not a whole packing: stiffness is missing"):
@@ -143,24 +143,28 @@ def test_foreign_and_newer_files_are_refused(tmp_path):
     [
         (1, 1e-3, "0x1.2be5cddfaebe0p-6", "0x1.2be5cddfae8eep-6"),
         (2, 1e-8, "0x1.920e5d04ea070p-23", "0x1.920e5d04ea070p-23"),
+        (3, 2e-3, "0x1.32da721f6bb50p-5", "0x1.32da721f6bb61p-5"),
     ],
 )
 def test_files_of_earlier_formats_load(number, delta, overlaps, forces):
-    """Two packings of ten grains, written by the code of their time."""
+    """Packings of ten grains, written by the code of their time; the third is ramped."""
     p = Packing.load(DATA / f"packing_format_{number}.npz")
     assert len(p.pairs) == 16
-    assert (p.info["seed"], p.info["scene"]["delta"], p.delta) == (1, delta, delta)
+    assert (p.provenance.seed, p.provenance.scene["delta"], p.delta) == (1, delta, delta)
+    assert p.stiffness_ratio == 0.5
+    assert p.provenance.ramp == ({"from": 1e-3} if number == 3 else None)
+    assert p.provenance.notes == {}
     assert (p.positions_low is not None) == (number == 2)
     eps = np.finfo(float).eps  # of the sums, whose order is NumPy's
     assert p.overlaps.sum() == pytest.approx(float.fromhex(overlaps), rel=16 * eps)
     assert p.forces.sum() == pytest.approx(float.fromhex(forces), rel=64 * eps)
 
 
-@pytest.mark.parametrize("number", [1, 2])
+@pytest.mark.parametrize("number", [1, 2, 3])
 def test_earlier_formats_are_written_as_the_present_one(tmp_path, number):
     p = Packing.load(DATA / f"packing_format_{number}.npz")
     p.save(tmp_path / "p.npz")
-    assert read(tmp_path / "p.npz")["format"] == FORMAT == 3
+    assert read(tmp_path / "p.npz")["format"] == FORMAT == 4
     assert same(p, Packing.load(tmp_path / "p.npz"))
 
 
@@ -177,6 +181,21 @@ def test_notes_that_were_no_json_become_none(tmp_path):
     assert Packing.load(tmp_path / "p.npz").info == {"x": None, "y": [1.0]}
 
 
+def test_the_stiffness_ratio_of_earlier_formats_is_looked_for(tmp_path):
+    """Of the scene, else alone; what is no positive number is not known."""
+    arrays = read(DATA / "packing_format_1.npz")
+    for info, ratio in (
+        ('{"scene": {"stiffness_ratio": 0.25}}', 0.25),
+        ('{"stiffness_ratio": 0.75}', 0.75),
+        ('{"stiffness_ratio": "soft", "scene": []}', None),
+        ('{"stiffness_ratio": true}', None),
+        ('{"stiffness_ratio": -1}', None),
+        ("{}", None),
+    ):
+        write(tmp_path / "p.npz", arrays | {"info": np.array(info)})
+        assert Packing.load(tmp_path / "p.npz").stiffness_ratio == ratio
+
+
 def read(path: Path) -> dict[str, np.ndarray]:
     with path.open("rb") as stream:
         return read_arrays(stream)
@@ -191,7 +210,7 @@ def signed(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """With the list and checksum that fit, as somebody who wants to be believed would write."""
     arrays = {n: np.asarray(a) for n, a in arrays.items() if n not in ("arrays", "sha256")}
     arrays["arrays"] = np.asarray(sorted([*arrays, "arrays"]))
-    return arrays | {"sha256": np.asarray(_checksum(arrays))}
+    return arrays | {"sha256": np.asarray(checksum(arrays))}
 
 
 def saved(tmp_path: Path, p: Packing | None = None) -> Path:
@@ -206,7 +225,10 @@ def changed_by_one_ulp(array: np.ndarray) -> np.ndarray:
     return array
 
 
-@pytest.mark.parametrize("name", [f.name for f in fields(Packing) if "low" not in f.name])
+WRITTEN = [f.name for f in fields(Packing) if "low" not in f.name and f.name != "provenance"]
+
+
+@pytest.mark.parametrize("name", [*WRITTEN, "info"])
 def test_whole_arrays_that_are_not_those_of_the_checksum(tmp_path, name):
     """Packed again with good CRCs: without the array, with another, of another type or shape."""
     path = saved(tmp_path, packing())
@@ -246,10 +268,15 @@ def test_big_endian_files_load(tmp_path):
         ({"info": np.array('{"x": NaN}')}, r"info\['x'\] = nan"),
         ({"info": np.array('{"x": 1e999}')}, r"info\['x'\] = inf"),
         ({"info": np.array(1.0)}, "its info is a float"),
-        ({"format": np.array(4)}, "has format 4; 1, 2 and 3 are those known"),
+        ({"format": np.array(5)}, "has format 5; 1, 2, 3 and 4 are those known"),
         ({"format": np.array([3])}, r"has format \[3\]"),
         ({"format": np.array("3")}, "has format 3;"),
         ({"format": np.array(2)}, "holds arrays, which no packing has"),
+        ({"stiffness_ratio": np.array(-1.0)}, "stiffness_ratio = -1.0"),
+        (
+            {"format": np.array(3), "stiffness_ratio": np.array(1.0)},
+            "holds stiffness_ratio, which",
+        ),
         ({"stiffness": np.array([1.0])}, "stiffness = "),
         ({"stiffness": np.array(np.nan)}, "stiffness = nan"),
         ({"pairs": np.array([[0, 1], [1, 1 << 62]])}, r"pairs\[1, 1\]"),
@@ -272,12 +299,12 @@ def test_low_parts_and_format_agree(tmp_path):
             Packing.load(tmp_path / "p.npz")
 
 
-@pytest.mark.parametrize("number", [1, 2, 3])
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
 @pytest.mark.parametrize("where", ["before", "after", "between"])
 def test_bytes_that_belong_to_no_array_are_refused(tmp_path, number, where):
     path = tmp_path / "p.npz"
-    Packing.load(DATA / f"packing_format_{min(number, 2)}.npz").save(path)
-    if number < 3:
+    Packing.load(DATA / f"packing_format_{min(number, 3)}.npz").save(path)
+    if number < 4:
         path.write_bytes((DATA / f"packing_format_{number}.npz").read_bytes())
     data = path.read_bytes()
     second = data.index(b"PK\3\4", 4)

@@ -76,10 +76,10 @@ def test_a_lock_is_needed_for_that(tmp_path, monkeypatch):
     run = writer(tmp_path / KEY)
     (part,) = tmp_path.glob(".*.part")
     try:
-        monkeypatch.setattr(unfinished, "_locked", lambda stream: None)
+        monkeypatch.setattr(unfinished, "locked", lambda stream: None)
         clear_left_over(tmp_path)
         assert part.exists()
-        monkeypatch.setattr(unfinished, "_lives", lambda process: False)
+        monkeypatch.setattr(unfinished, "lives", lambda process: False)
         clear_left_over(tmp_path)
         assert not part.exists()
     finally:
@@ -96,7 +96,7 @@ def part(folder: Path, process: int, machine: str | None, age: float = 0.0) -> P
     return path
 
 
-HERE = unfinished._machine()
+HERE = unfinished.this_machine()
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_what_is_left_over(tmp_path, process, machine, age, stays):
     ids=["nobody", "this one", "long ago"],
 )
 def test_without_locks_number_and_age_decide(tmp_path, monkeypatch, process, age, stays):
-    monkeypatch.setattr(unfinished, "_locked", lambda stream: None)
+    monkeypatch.setattr(unfinished, "locked", lambda stream: None)
     path = part(tmp_path, process, HERE, age)
     clear_left_over(tmp_path)
     assert path.exists() == stays
@@ -169,7 +169,7 @@ def test_a_part_taken_away_before_it_was_locked_is_begun_again(tmp_path, monkeyp
         seen.append(stream.name)
         return True
 
-    monkeypatch.setattr(unfinished, "_locked", late)
+    monkeypatch.setattr(unfinished, "locked", late)
     column().save(tmp_path / KEY)
     assert len(seen) == 2
     assert Packing.load(tmp_path / KEY).pairs.tolist() == [[0, 1], [1, 2]]
@@ -180,7 +180,7 @@ def test_a_machine_is_a_name(tmp_path, monkeypatch):
     column().save(tmp_path / "p.npz")
     with moved_when_whole(tmp_path / KEY):
         (path,) = tmp_path.glob(".*.part")
-        assert unfinished._PART.fullmatch(path.name)["machine"] == unfinished._machine()
+        assert unfinished.PART.fullmatch(path.name)["machine"] == unfinished.this_machine()
 
 
 def test_an_ensemble_goes_on_where_a_writer_was_killed(tmp_path):

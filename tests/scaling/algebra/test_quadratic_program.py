@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from scaling import ContactNetwork, perturb, reconstruct
 from scaling.algebra import quadratic_program
-from scaling.estimators.bounded.posterior import Prior
+from scaling.estimators.bounded.prior import Prior
 from tests.conftest import packing
 
 

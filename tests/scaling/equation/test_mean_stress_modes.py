@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space, svdvals
 
-from benchmarks.studies import stress as study
 from scaling import ContactNetwork, error_map, force_equation, stress
+from studies.estimators import stress as study
 from tests.conftest import packing
 
 CASES = [(48, 1e-2, 0.3, 1), (48, 1e-4, 0.3, 2), (60, 1e-3, 0.3, 3), (48, 1e-3, 0.1, 4),

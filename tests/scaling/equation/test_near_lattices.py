@@ -17,8 +17,9 @@ from scaling.algebra import equality_least_squares
 from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
 from scaling.algebra.evidence import ACCEPTED, NotAccurate
 from scaling.algebra.multipliers import Multipliers
-from scaling.estimators import balanced, optimal
-from scaling.noise.noise_model import sources
+from scaling.estimators import balanced
+from scaling.estimators.optimal import least_noise
+from scaling.noise.noise_model import noise_model
 from tests.scaling.networks import Truth, lattice, loaded
 
 DISORDERS = [1e-1, 1e-3, 1e-5, 1e-7, 1e-9]
@@ -66,14 +67,14 @@ def problems(truth: Truth) -> dict:
     mixed = np.r_[np.full(network.grains, 1e-6), np.full(2 * network.grains, 1e-12)]
 
     def of(source):
-        return optimal.geometric_problem(equation, source, φ)[0]
+        return least_noise.geometric_problem(equation, source, φ)[0]
 
     return {
-        "balanced": lambda: balanced.solver(equation),
-        "positions": lambda: of(sources(network, "position")),
-        "diameters": lambda: of(sources(network, "diameter")),
-        "sizes": lambda: optimal.size_problem(equation, sources(network, "diameter")),
-        "mixed": lambda: of(sources(network, covariance=mixed)),
+        "balanced": lambda: balanced.problem(equation),
+        "positions": lambda: of(noise_model(network, "position")),
+        "diameters": lambda: of(noise_model(network, "diameter")),
+        "sizes": lambda: least_noise.size_problem(equation, noise_model(network, "diameter")),
+        "mixed": lambda: of(noise_model(network, covariance=mixed)),
     }
 
 
@@ -150,7 +151,7 @@ def test_forces_are_right_or_refused(kind, method):
 def test_gains_are_those_of_a_dense_null_space(method, disorder):
     truth = near_lattice("square", disorder, cells=4)
     q = force_equation(truth.network)
-    A = sources(truth.network, "diameter").overlaps(truth.network).toarray()
+    A = noise_model(truth.network, "diameter").overlaps(truth.network).toarray()
     M, Q, c = q.M.toarray(), q.Q.toarray(), truth.network.contacts
     if method == "gppsz":
         E = np.linalg.pinv(q.G.toarray(), rcond=1e-12)[:, len(M) :] @ Q @ A

@@ -9,10 +9,10 @@ import pytest
 from scipy.sparse import csr_array
 
 from scaling import ContactNetwork, flat_guess, perturb, reconstruct, relative_error, to_pressure
-from scaling.estimators.bounded import bounded, program
-from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded import maximum, program
+from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import posterior
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from tests.conftest import packing
 from tests.scaling.packings import network_of, noisy_problem
 
@@ -109,7 +109,12 @@ def test_bounded_does_not_know_the_unit_of_length(gaps, noise):
             images=noisy.images,
         )  # fmt: skip
         problem = posterior(
-            n, p.stiffness, p.friction, sources(n, noise, xi=xi), pressure=p.pressure, gaps=gaps
+            n,
+            p.stiffness,
+            p.friction,
+            noise_model(n, noise, xi=xi),
+            pressure=p.pressure,
+            gaps=gaps,
         )
         found.append(bounded_forces(problem)[0] / unit)
     for f in found[1:]:
@@ -166,7 +171,7 @@ def test_no_grain_has_to_balance_in_wrong_directions(monkeypatch):
     refused = 0
     for problem in problems:
         with suppress(ValueError):
-            bounded.passes(problem, curved=False)
+            maximum.passes(problem, curved=False)
             continue
         refused += 1
     assert refused >= 1
@@ -182,9 +187,9 @@ def test_nearly_isostatic_packings_need_the_second_order(ratio):
         p = packing(delta=1e-4, friction=0.0, seed=seed)
         problem = noisy_problem(p, ratio * p.delta, seed, frictional=False)
         with pytest.raises(ValueError, match="no forces satisfy"):
-            bounded.passes(problem, curved=False)
+            maximum.passes(problem, curved=False)
         forces, _, report = bounded_forces(problem)
-        assert report["curved"]
+        assert report.curved
         errors.append(relative_error(forces, p.forces, frictional=False))
         guess = flat_guess(problem.equation.network, p.pressure)[: len(p.forces)]
         flat.append(relative_error(guess, p.forces, frictional=False))
@@ -197,7 +202,7 @@ def test_the_second_order_changes_little_where_it_is_not_needed(delta):
     """At ξ = Δ its own scale is ξ²/Δ = Δ, in f̄: forces move by less than ten times that."""
     p = packing(delta=delta, seed=2)
     problem = noisy_problem(p, delta, 2)
-    plain, curved = (bounded.passes(problem, c)[0] for c in (False, True))
+    plain, curved = (maximum.passes(problem, c)[0] for c in (False, True))
     change = np.abs(plain - curved).max()
     assert 1e-8 * problem.mean_force < change < 10 * delta * problem.mean_force
 
@@ -217,7 +222,7 @@ def test_the_second_order_changes_little_where_it_is_not_needed(delta):
 def test_bad_arguments_of_a_posterior(arguments, message):
     p = packing()
     n = network_of(p)
-    given = {"stiffness": 1.0, "friction": 0.3, "noise": sources(n, xi=1e-3)} | arguments
+    given = {"stiffness": 1.0, "friction": 0.3, "noise": noise_model(n, xi=1e-3)} | arguments
     with pytest.raises(ValueError, match=message):
         posterior(n, pressure=p.pressure, **given)
 
@@ -228,7 +233,7 @@ def test_gaps_need_noise_at_every_contact():
     n = network_of(p)
     variances = np.full(n.grains, 1e-6)
     variances[n.pairs[5]] = 0
-    noise = sources(n, covariance=variances)
+    noise = noise_model(n, covariance=variances)
     known = np.flatnonzero((variances[n.pairs] == 0).all(axis=1))[0]
     with pytest.raises(ValueError, match=f"overlap of contact {known} is known without noise"):
         posterior(n, 1.0, 0.3, noise, pressure=p.pressure, gaps=True)

@@ -269,7 +269,7 @@ def test_optimal_converges_or_says_that_it_does_not(ratio):
 def test_optimal_that_runs_out_of_steps_is_refused(monkeypatch):
     p = packing()
     noisy = perturb(network_of(p), 1e-2, np.random.default_rng(0), "position")
-    monkeypatch.setattr("scaling.estimators.optimal._MOST_STEPS", 2)
+    monkeypatch.setattr("scaling.estimators.optimal.least_noise._MOST_STEPS", 2)
     with pytest.raises(RuntimeError, match="after 2 steps the forces still change by"):
         reconstruct(noisy, p.stiffness, "optimal", xi=1e-2, noise="position")
 
@@ -289,7 +289,7 @@ def test_balanced_does_not_remember_other_radii():
     found = reconstruct(moved, 1.0, "balanced").forces
     assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
     equation = force_equation(moved)
-    assert balanced.solver(equation) is balanced.solver(equation)
+    assert balanced.problem(equation) is balanced.problem(equation)
 
 
 @pytest.mark.parametrize("xi", [np.inf, np.nan, 0.0, -1.0])

@@ -48,7 +48,7 @@ def test_forces_of_another_code_are_found(lammps, method):
     if method == "balanced":
         # It insists on balance, also where a part that hangs on one contact can transmit a moment
         # by its overlap only: with the singular value 1e-7, which G does not have.
-        s = np.linalg.svd(balanced.solver(force_equation(lammps.network)).B.toarray())[1]
+        s = np.linalg.svd(balanced.problem(force_equation(lammps.network)).B.toarray())[1]
         allowed *= force_equation(lammps.network).conditioning.smallest / s[s > 1e-12].min()
     assert np.abs(found.forces - lammps.forces).max() <= allowed
 

@@ -10,8 +10,10 @@ from scipy.stats import chi2, kstest
 
 from scaling import ContactNetwork, force_equation, perturb, reconstruct
 from scaling.estimators import misfit
-from scaling.estimators.misfit import ImplausibleNoiseWarning, Misfit, conditions_on_noise
-from scaling.noise.noise_model import sources
+from scaling.estimators.misfit import ImplausibleNoiseWarning, Misfit
+from scaling.estimators.optimal import conditions
+from scaling.estimators.optimal.conditions import conditions_on_noise
+from scaling.noise.noise_model import noise_model
 from tests.chi_squares import log_tail
 from tests.conftest import packing
 from tests.scaling.equation.test_loads import chain, region
@@ -51,14 +53,16 @@ def noise_of(kind, network):
     """(sources, data) of a kind of noise; the variances of every third size are 0."""
     N, rng = network.grains, np.random.default_rng(0)
     if kind in ("diameter", "position"):
-        return sources(network, kind, xi=1e-3), "all"
+        return noise_model(network, kind, xi=1e-3), "all"
     if kind == "sizes":
-        return sources(network, xi=1e-3), "sizes"
+        return noise_model(network, xi=1e-3), "sizes"
     sizes = rng.uniform(0.1, 1, N) ** 2
     if kind == "mixed":
-        return sources(network, covariance=np.concatenate([sizes, np.full(2 * N, 1e-4)])), "all"
+        return noise_model(
+            network, covariance=np.concatenate([sizes, np.full(2 * N, 1e-4)])
+        ), "all"
     sizes[::3] = 0
-    return sources(network, covariance=sizes), "all"
+    return noise_model(network, covariance=sizes), "all"
 
 
 @pytest.mark.parametrize("kind", NOISES)
@@ -69,16 +73,16 @@ def test_degrees_of_freedom_are_the_trace_of_the_projection(name, kind, monkeypa
     network, forces, frictional = NETWORKS[name]()
     equation = force_equation(network, frictional)
     noise, data = noise_of(kind, network)
-    acting, free = misfit._conditions(equation, noise, forces, data)
-    A = misfit._scaled(acting).toarray()
+    acting, free = conditions._conditions(equation, noise, forces, data)
+    A = conditions._scaled(acting).toarray()
     if free.shape[1]:
         U, s, _ = np.linalg.svd(free.toarray(), full_matrices=False)
         U = U[:, s > 1e-10 * s[0]]
         A = A - U @ (U.T @ A)
     trace = float(np.trace(np.linalg.pinv(A, rcond=1e-9) @ A))
-    monkeypatch.setattr(misfit, "DENSE_UP_TO", 10**6)
+    monkeypatch.setattr(conditions, "DENSE_UP_TO", 10**6)
     assert conditions_on_noise(equation, noise, forces, data) == pytest.approx(trace, abs=1e-6)
-    monkeypatch.setattr(misfit, "DENSE_UP_TO", 0)
+    monkeypatch.setattr(conditions, "DENSE_UP_TO", 0)
     counted = conditions_on_noise(equation, noise, forces, data)
     # Grains that dangle by contacts without loops are a few of many where only loops count.
     assert counted == pytest.approx(trace, abs=1e-6 + (3 if kind == "sizes" else 0))
@@ -92,7 +96,7 @@ def test_degrees_of_freedom_by_hand(network, d):
     balances less 2 translations, a moment and 5 f_t are 7, more than the 5 sizes. In a ring of
     four, sizes that change in turns by ± ε change no σ."""
     f = np.zeros(2 * network.contacts)
-    equation, noise = force_equation(network), sources(network, xi=1e-3)
+    equation, noise = force_equation(network), noise_model(network, xi=1e-3)
     assert conditions_on_noise(equation, noise, f, "all") == d
 
 

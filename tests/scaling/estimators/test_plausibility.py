@@ -10,7 +10,7 @@ import pytest
 from scaling import ContactNetwork, perturb, reconstruct, relative_error
 from scaling.estimators.bounded.posterior import posterior
 from scaling.estimators.plausibility import BeyondFrictionWarning, mean_overlap
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from tests.conftest import packing
 from tests.scaling.equation.test_loads import METHODS, asked
 from tests.scaling.packings import network_of
@@ -73,7 +73,7 @@ def test_a_posterior_is_not_collected_from_them():
     p = packing()
     n = with_radii(network_of(p), 2.0)
     with pytest.raises(ValueError, match="diameters given as radii"):
-        posterior(n, 1.0, 0.3, sources(n, xi=1e-3), pressure=p.pressure)
+        posterior(n, 1.0, 0.3, noise_model(n, xi=1e-3), pressure=p.pressure)
     posterior(n, 1.0, 0.3, None, pressure=p.pressure)  # of sizes that are not used
 
 

@@ -12,7 +12,7 @@ from scaling import ContactNetwork, cramer_rao, error_map, perturb, reconstruct
 from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
 from scaling.algebra.evidence import Solved
 from scaling.algebra.null_space import NullSpace
-from scaling.uncertainty.error_map import LINEAR
+from scaling.estimators.table import linear_names
 from tests.conftest import packing
 
 UNITS = (1e-6, 1e-3, 1e3, 1e4, 1e6)
@@ -57,7 +57,7 @@ def test_forces_do_not_depend_on_the_unit_of_length(kind):
 
 
 @pytest.mark.parametrize("noise", ["diameter", "position", "covariance"])
-@pytest.mark.parametrize("method", LINEAR)
+@pytest.mark.parametrize("method", linear_names())
 def test_gains_are_lengths(method, noise):
     """E of error_map, and so of cramer_rao, to 1e-7 of its largest entry; of a covariance, whose ξ
     is the length, E itself has no unit."""

@@ -10,7 +10,7 @@ import pytest
 
 from scaling import ContactNetwork, force_equation, perturb, rescaled, rounded
 from scaling.geometry.high_precision import LowParts
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from tests.conftest import packing
 from tests.scaling.networks import lattice, loaded, periodic, triangle
 from tests.scaling.packings import network_of
@@ -174,7 +174,7 @@ def test_arrays_are_read_only_on_every_way(way):
     )  # loops and windings are built when they are asked for
     found = {
         "network": COPIES[way](n),
-        "sources": COPIES[way](sources(n, xi=1e-3)),
+        "sources": COPIES[way](noise_model(n, xi=1e-3)),
     }
     names = [name for name, array in _arrays(found, "it") if array.flags.writeable]
     # Caches that hold no data of the network: factors of the solvers.

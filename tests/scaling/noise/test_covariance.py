@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
 from scaling import cramer_rao
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from tests.scaling.networks import periodic
 
 NETWORK = periodic(16)
@@ -27,7 +27,7 @@ def test_rounding_of_a_product_is_no_asymmetry(seed, variance, orthogonal):
     left = strength[:, None] * L * variance
     matrix = left @ (strength[:, None] * L).T + 0.0
     matrix[0, 1] *= 1 + 1e-15
-    found = sources(NETWORK, covariance=matrix)
+    found = noise_model(NETWORK, covariance=matrix)
     root = found.xi * found.radii.toarray()
     scale = np.sqrt(np.outer(matrix.diagonal(), matrix.diagonal()))
     assert np.abs(root @ root.T - matrix).max() < 1e-11 * scale.max()
@@ -39,12 +39,12 @@ def test_asymmetric_data_are_refused_with_the_culprits(relative, variance):
     """Entry (2, 5) off by 1e-8 of the variances or more; by 1e-13 it is rounding."""
     matrix = variance * np.eye(N)
     matrix[2, 5] = 1e-13 * variance
-    assert sources(NETWORK, covariance=matrix).count == N
+    assert noise_model(NETWORK, covariance=matrix).count == N
     matrix[2, 5] = relative * 0.5 * variance
     with pytest.raises(ValueError, match=r"not symmetric: entry \([25], [25]\) is .* and entry"):
-        sources(NETWORK, covariance=matrix)
+        noise_model(NETWORK, covariance=matrix)
     with pytest.raises(ValueError, match="not symmetric"):
-        sources(NETWORK, covariance=csr_array(matrix))
+        noise_model(NETWORK, covariance=csr_array(matrix))
 
 
 def test_a_symmetrised_one_gives_the_bound_of_the_exact_one():

@@ -129,7 +129,7 @@ def test_windings_change_the_gain_little():
 def test_blocks_of_sources_add_up(monkeypatch):
     n = periodic()
     whole = gain(n)
-    monkeypatch.setattr("scaling.uncertainty.amplification._BLOCK", 7)
+    monkeypatch.setattr("scaling.estimators.response.BLOCK", 7)
     np.testing.assert_allclose(gain(n), whole, rtol=100 * EPS)
 
 

@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 
 from scaling import perturb
-from scaling.estimators.bounded.bounded import bounded_forces
-from scaling.estimators.bounded.posterior import Prior, posterior
-from scaling.noise.noise_model import sources
+from scaling.estimators.bounded.maximum import bounded_forces
+from scaling.estimators.bounded.posterior import posterior
+from scaling.estimators.bounded.prior import Prior
+from scaling.noise.noise_model import noise_model
 from scaling.uncertainty import credible_intervals as intervals_module
-from scaling.uncertainty.credible_intervals import coverage, credible_intervals, posterior_draws
+from scaling.uncertainty.credible_intervals import (
+    coverage,
+    posterior_draws,
+    posterior_intervals,
+)
 from tests.conftest import packing
 from tests.scaling.packings import network_of, noisy_problem
 
@@ -25,17 +30,17 @@ def test_intervals_enclose_the_truth_and_narrow_with_the_data():
             xi = ratio * p.delta
             noisy = perturb(network_of(p), xi, np.random.default_rng(seed), "position")
             problem = posterior(
-                noisy, p.stiffness, p.friction, sources(noisy, "position", xi=xi),
+                noisy, p.stiffness, p.friction, noise_model(noisy, "position", xi=xi),
                 pressure=p.pressure,
             )  # fmt: skip
             rng = np.random.default_rng(seed)
-            low, high = credible_intervals(problem, rng, draws=20, level=0.9)
+            low, high = posterior_intervals(problem, rng, draws=20, level=0.9)
             widths[ratio].append(np.mean(high - low))
             if ratio == 1.0:
                 slack = 1e-6 * p.normal_forces.mean()
                 covered.append(coverage(low, high, p.forces, slack))
                 rng = np.random.default_rng(seed)
-                low, high = credible_intervals(problem, rng, draws=20, level=0.3)
+                low, high = posterior_intervals(problem, rng, draws=20, level=0.3)
                 low_level.append(coverage(low, high, p.forces, slack))
     assert 0.75 < np.mean(covered) < 0.99
     assert np.mean(low_level) < np.mean(covered) - 0.2
@@ -49,8 +54,8 @@ def test_intervals_widen_with_the_second_order_where_it_is_let_in():
     for seed in range(8):
         p = packing(delta=1e-4, friction=0.0, seed=seed)
         problem = noisy_problem(p, 10 * p.delta, seed, frictional=False)
-        assert bounded_forces(problem)[2]["curved"]
-        low, high = credible_intervals(problem, np.random.default_rng(seed), draws=20)
+        assert bounded_forces(problem)[2].curved
+        low, high = posterior_intervals(problem, np.random.default_rng(seed), draws=20)
         covered.append(coverage(low, high, p.forces, 1e-6 * problem.mean_force))
     assert np.mean(covered) > 0.3
 
@@ -74,9 +79,9 @@ def test_draws_are_of_one_model(monkeypatch):
 def test_no_projected_draws_of_gaps():
     p = packing()
     n = network_of(p)
-    problem = posterior(n, 1.0, 0.3, sources(n, xi=1e-3), pressure=p.pressure, gaps=True)
+    problem = posterior(n, 1.0, 0.3, noise_model(n, xi=1e-3), pressure=p.pressure, gaps=True)
     with pytest.raises(ValueError, match="projected draws are for a Gaussian prior"):
-        credible_intervals(problem, np.random.default_rng(0), draws=20)
+        posterior_intervals(problem, np.random.default_rng(0), draws=20)
 
 
 def test_coverage_refuses_other_shapes():
@@ -92,6 +97,6 @@ def test_intervals_refuse_too_few_draws():
     p = packing()
     problem = posterior(network_of(p), 1.0, 0.3, None, pressure=p.pressure, prior=Prior())
     with pytest.raises(ValueError, match=r"cannot resolve tails of 0\.05; take at least 20"):
-        credible_intervals(problem, np.random.default_rng(0), draws=10)
+        posterior_intervals(problem, np.random.default_rng(0), draws=10)
     with pytest.raises(ValueError, match="level = 1"):
-        credible_intervals(problem, np.random.default_rng(0), level=1)
+        posterior_intervals(problem, np.random.default_rng(0), level=1)

@@ -17,8 +17,8 @@ from scaling import (
     reconstruct,
     worst_pattern,
 )
-from scaling.noise.noise_model import sources
-from scaling.uncertainty.error_map import LINEAR
+from scaling.estimators.table import linear_names
+from scaling.noise.noise_model import noise_model
 from tests.chi_squares import log_tail
 from tests.conftest import packing
 from tests.scaling.networks import loaded, triangle
@@ -63,7 +63,7 @@ def test_one_draw_is_the_map_applied_to_its_noise(method, noise, friction):
     assert np.abs(found.forces - p.forces - expected).max() <= slack + 1e-9 * p.pressure
 
 
-@pytest.mark.parametrize("method", LINEAR)
+@pytest.mark.parametrize("method", linear_names())
 def test_estimated_gain_has_an_honest_bar(method):
     """Over 200 seeds: K² is unbiased, within five standard errors, and its scatter is what the
     bars say, 2 K bar, within a factor 2 of the variance (a sample of 200 knows it to 20 %)."""
@@ -138,7 +138,7 @@ def measured(n, source, η):
 
 
 @pytest.mark.parametrize("noise", ["diameter", "radius", "relative", "position", "both"])
-@pytest.mark.parametrize("method", LINEAR)
+@pytest.mark.parametrize("method", linear_names())
 def test_everything_about_the_error_by_sampling(method, noise):
     """Reconstructions of noisy data, every estimator and kind of noise: mean square of each
     contact by its own law (Chernoff at 1e-7), distribution of E (quantiles within 5 standard
@@ -153,7 +153,7 @@ def test_everything_about_the_error_by_sampling(method, noise):
     kind = {"covariance": Σ} if noise == "both" else {"noise": noise}
     moves = noise in ("position", "both")
     E = error_map(n, method, **kind, **(given(p, "position") if moves else {}))
-    source = sources(n, kind.get("noise", "diameter"), Σ)
+    source = noise_model(n, kind.get("noise", "diameter"), Σ)
     unit = p.stiffness * ε
     arguments = {"method": method, "stiffness": p.stiffness}
     if method == "optimal":  # weights count up to a factor

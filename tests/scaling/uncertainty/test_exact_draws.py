@@ -7,13 +7,13 @@ import pytest
 from scipy.stats import kstest, norm
 
 from scaling import ContactNetwork, force_equation, perturb
-from scaling.estimators.bounded.bounded import bounded_forces
+from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import posterior
-from scaling.noise.noise_model import sources
+from scaling.noise.noise_model import noise_model
 from scaling.uncertainty.credible_intervals import (
-    credible_intervals,
     enclosing,
     posterior_draws,
+    posterior_intervals,
     widened,
 )
 from scaling.uncertainty.exact_draws import Walls, truncated_draws
@@ -59,7 +59,7 @@ def problem_of(p, ratio, seed=1):
     if np.isinf(ratio):
         return posterior(n, p.stiffness, p.friction, None, pressure=p.pressure)
     noisy = perturb(n, xi, np.random.default_rng(seed), "position")
-    noise = sources(noisy, "position", xi=xi)
+    noise = noise_model(noisy, "position", xi=xi)
     return posterior(noisy, p.stiffness, p.friction, noise, pressure=p.pressure)
 
 
@@ -85,7 +85,7 @@ def test_projected_draws_are_exact_where_no_wall_is_near():
     n, xi = ContactNetwork.from_packing(p), 1e-3 * p.delta
     noisy = perturb(n, xi, np.random.default_rng(2), "position")
     problem = posterior(
-        noisy, p.stiffness, 50.0, sources(noisy, "position", xi=xi), pressure=p.pressure
+        noisy, p.stiffness, 50.0, noise_model(noisy, "position", xi=xi), pressure=p.pressure
     )
     far = p.normal_forces > 0.3 * p.normal_forces.mean()
     a, b = (s(problem, np.random.default_rng(0), 60)[:, : len(far)][:, far]
@@ -118,20 +118,20 @@ def test_intervals_of_either_kind():
     rng = np.random.default_rng
     widths = {}
     for method in ("projected", "exact"):
-        low, high = credible_intervals(problem, rng(0), draws=20, method=method)
+        low, high = posterior_intervals(problem, rng(0), draws=20, method=method)
         widths[method] = np.mean(high - low)
         assert (low < high).all()
     assert widths["exact"] < widths["projected"]
     same = enclosing(posterior_draws(widened(problem), rng(0), 20), 0.9)
-    assert np.array_equal(same, credible_intervals(problem, rng(0), draws=20))
+    assert np.array_equal(same, posterior_intervals(problem, rng(0), draws=20))
     with pytest.raises(ValueError, match="method = 'bootstrap' is unknown; choose one of"):
-        credible_intervals(problem, rng(0), method="bootstrap")
+        posterior_intervals(problem, rng(0), method="bootstrap")
 
 
 def test_open_contacts_have_no_gaussian_prior():
     p = packing()
     n = ContactNetwork.from_packing(p)
-    open_ = posterior(n, p.stiffness, 0.3, sources(n, "position", xi=1e-3),
+    open_ = posterior(n, p.stiffness, 0.3, noise_model(n, "position", xi=1e-3),
                       pressure=p.pressure, gaps=True)  # fmt: skip
     with pytest.raises(ValueError, match="gaps=True has another"):
         truncated_draws(open_, np.random.default_rng(0), 1)

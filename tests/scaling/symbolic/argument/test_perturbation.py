@@ -137,7 +137,7 @@ def test_exact_error_is_what_reconstruct_makes(linearised, network, packing):
     found = reconstruct(noisy, packing.stiffness).forces - packing.forces
     expected = linearised.error(xi * sizes, xi * moves)
     rounding = np.finfo(float).eps * packing.stiffness * network.mean_diameter
-    residual = packing.info["residual"] * packing.pressure
+    residual = packing.provenance.residual * packing.pressure
     condition = np.linalg.cond(linearised.G)
     bound = (rounding + residual) * condition * np.sqrt(len(expected)) * 20
     assert np.linalg.norm(found - expected) < bound

@@ -1,1 +1,0 @@
-"""The studies behind docs/estimators.md, one module each: see `benchmarks.estimators`."""

@@ -1,0 +1,22 @@
+"""What a packing records of the contact law that it was made with: its name and its numbers."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from packing.contact_law import ContactLaw
+from packing.plain_values import plain_value
+
+
+def law_record(law: ContactLaw) -> dict[str, Any]:
+    """``{"law": "module.Name", ...}`` with the fields of a frozen dataclass.
+
+    ValueError for what is no frozen dataclass, or has a field that no file could hold.
+    """
+    name = f"{type(law).__module__}.{type(law).__qualname__}"
+    parameters = getattr(type(law), "__dataclass_params__", None)
+    if not is_dataclass(law) or not getattr(parameters, "frozen", False):
+        raise ValueError(f"contact = {law!r}: a law of a scene is a frozen dataclass")
+    numbers = {f.name: getattr(law, f.name) for f in fields(law)}
+    return {"law": name} | {k: plain_value(f"{k} of contact", v) for k, v in numbers.items()}

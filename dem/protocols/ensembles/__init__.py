@@ -1,0 +1,1 @@
+"""Many packings: made on any executor, stored, resumed."""

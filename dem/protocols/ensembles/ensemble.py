@@ -1,0 +1,130 @@
+"""Many packings at once, on any executor, stored as they are finished."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Executor
+from functools import partial
+from itertools import zip_longest
+from os import PathLike
+from typing import Any
+
+from tqdm.auto import tqdm
+
+from dem.protocols.ensembles.key import packing_key
+from dem.protocols.ensembles.run import Run, Task
+from dem.protocols.ensembles.store import Store
+from dem.protocols.relax import relax
+from dem.scene import Scene
+from dem.settings import Settings
+from packing.arguments.numbers import flag, instance, seed_number, shown
+from packing.record import Packing
+
+_END = object()
+
+
+def relax_ensemble(
+    scenes: Iterable[Scene],
+    seeds: Iterable[int],
+    *,
+    executor: Executor | None = None,
+    store: str | PathLike[str] | None = None,
+    settings: Settings = Settings(),  # noqa: B008  (frozen)
+    progress: bool | None = None,
+) -> list[Packing]:
+    """``relax`` for every (scene, seed), in their order.
+
+    Parameters
+    ----------
+    scenes : iterable of Scene
+        One for each packing.
+    seeds : iterable of int
+        As many; one of the two may be endless.
+    executor : concurrent.futures.Executor, optional
+        Processes, ``mpi4py.futures``, ``dask.distributed.Client.get_executor()``; None works in
+        this process.  Workers that were started by this process end when it is killed.
+    store : path, optional
+        A folder of npz files, each under its ``packing_key``; what is there is loaded, the rest
+        computed and saved as it is finished, so that an interrupted run loses only what was in
+        flight.  A stored file that is damaged is named in a warning and computed again; parts
+        of files that killed runs left are removed.
+    settings : Settings
+        For all of them.
+    progress : bool, optional
+        None shows a bar on a terminal only, False never.
+
+    Returns
+    -------
+    list of Packing
+        In the order of scenes and seeds.
+
+    Raises
+    ------
+    ValueError
+        Scenes and seeds that differ in number or are none, a store that is a file; and whatever
+        ``relax`` refuses.
+    Exception
+        The first error of ``relax`` or of the executor, after all that was finished is stored.
+        Its notes name scene and seed; those that the workers held when one of them died.
+
+    Examples
+    --------
+    >>> from dem import Scene, relax_ensemble
+    >>> packings = relax_ensemble([Scene(20, 1e-1)] * 2, [1, 2], progress=False)
+    >>> [p.provenance.seed for p in packings]
+    [1, 2]
+    """
+    settings = instance("settings", settings, Settings)
+    tasks = _tasks(scenes, seeds)
+    progress = None if progress is None else flag("progress", progress)
+    if executor is not None:
+        instance("executor", executor, Executor, " (of dask: client.get_executor())")
+    keys = [packing_key(scene, seed, settings) for scene, seed in tasks]
+    run = Run(tasks, keys, partial(relax, settings=settings), Store.at(store))
+    with packings_bar(len(tasks), len(run.done), progress) as bar:
+        if executor is None:
+            run.here(progress, bar)
+        else:
+            run.on(executor, bar)
+    return [run.done[k] for k in range(len(tasks))]
+
+
+def _tasks(scenes: Any, seeds: Any) -> list[Task]:
+    """Pairs of scene and seed; one may be endless, then the other is the shorter."""
+    pairs = zip_longest(_each("scenes", scenes), _each("seeds", seeds), fillvalue=_END)
+    tasks: list[Task] = []
+    for k, (scene, seed) in enumerate(pairs):
+        if scene is _END or seed is _END:
+            short, long = ("scenes", "seeds") if scene is _END else ("seeds", "scenes")
+            other = seeds if scene is _END else scenes
+            count = len(other) if hasattr(other, "__len__") else f"more than {k}"
+            raise ValueError(
+                f"{short} is shorter than {long}: {k} of the one, {count} of the other"
+            )
+        try:
+            tasks.append((instance(f"scenes[{k}]", scene, Scene), seed_number(seed)))
+        except ValueError as error:
+            raise ValueError(f"{error} (pair {k} of scenes and seeds)") from None
+    return tasks
+
+
+def _each(name: str, series: Any) -> Iterator[Any]:
+    try:
+        return iter(series)
+    except TypeError:
+        raise ValueError(
+            f"{name} = {shown(series)} is no series: write [{shown(series)}]"
+        ) from None
+
+
+def packings_bar(total: int, done: int, progress: bool | None) -> tqdm:
+    """Quiet where standard error is missing or closed, and, unless asked for, no terminal."""
+    out = sys.stderr
+    silent = progress is False or out is None or getattr(out, "closed", False)
+    return tqdm(
+        total=total,
+        initial=done,
+        desc="packings",
+        disable=silent or (progress is None and not out.isatty()),
+    )

@@ -1,0 +1,66 @@
+"""How many conditions the noise has to meet in `bounded`: the degrees of freedom of its misfit.
+
+    d = tr P ,    P the projection on the conditions, of the block of η
+
+where the prior is noise of the forces, so P is no projection within η: strong noise is told by
+balance alone, and what the forces give way to leaves η short. Bounds that are met with equality
+are conditions too. With all of them, tr P is the mean of |η|² or above it; without them,
+tr P² of the forces fixed is the mean or below it. The misfit refers to the first; too small is
+only what is improbable for the second.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import block_array, csc_array, csr_array, diags_array, eye_array, vstack
+from scipy.sparse.linalg import splu
+
+from packing.arguments.arrays import Floats
+from scaling.estimators.bounded.program import Program
+from scaling.estimators.misfit import Misfit
+
+EXACT_UP_TO = 128
+"""Sources of noise up to which a trace is summed, not sampled."""
+_PROBES = 64
+_ACTIVE = 1e-6
+"""Distance from a bound, in f̄, below which it counts as met with equality."""
+_SHIFT = 1e-12
+
+
+def misfit_of_bounded(task: Program, z: Floats) -> Misfit:
+    """Of `scaling.estimators.bounded.bounded`: at the solution z of its program."""
+    η = task.noise(z)
+    met = np.flatnonzero(task.cone @ z > -_ACTIVE)
+    free = _traces(task, task.cone[:0])
+    most = _traces(task, task.cone[met])[0] if len(met) else free[0]
+    return Misfit(float(η @ η), most, free[1])
+
+
+def _traces(task: Program, met: Any) -> tuple[float, float]:
+    """tr P and tr P² of the block of η, P the projection on all conditions, `met` among them."""
+    n, k = task.unknowns, task.sources
+    E, P = csr_array(vstack([task.equal, met])), task.P.copy()
+    # Weak noise: forces in units of their own scatter, so that noise and forces weigh alike.
+    effect = E[:, n : n + k]
+    strength = min(1.0, float(np.sqrt(effect.multiply(effect).sum() / max(k, 1))) or 1.0)
+    unit = np.ones(len(P))
+    unit[:n] = strength
+    E = csr_array(E @ diags_array(unit))
+    P = P * unit**2
+    length = np.sqrt(np.asarray(E.multiply(E).sum(axis=1)).ravel())
+    E = csr_array(diags_array(1 / np.where(length > 0, length, 1.0)) @ E)
+    lower = -_SHIFT * eye_array(E.shape[0])
+    P = np.where(P == 0, _SHIFT, P)
+    factor = splu(csc_array(block_array([[diags_array(P), E.T], [E, lower]])))
+    root = np.sqrt(P[n : n + k])[:, None]
+    probes: Floats = np.eye(k)
+    weight = 1.0
+    if k > EXACT_UP_TO:
+        signs = np.random.default_rng(0).integers(0, 2, (k, _PROBES))
+        probes, weight = np.where(signs, 1.0, -1.0), 1 / _PROBES
+    right = np.zeros((factor.shape[0], probes.shape[1]))
+    right[n : n + k] = root * probes
+    kept = probes - root * factor.solve(right)[n : n + k]
+    return weight * float(np.sum(probes * kept)), weight * float(np.sum(kept**2))

@@ -1,0 +1,100 @@
+"""Maximum a posteriori with what is certain about contacts: they push, and friction is limited.
+
+    min  |y|²/ξ² + Σ_e [ (f_n - f̄)²/(a f̄)² + f_t²/(b f̄)² ]     over f, y
+
+    subject to   M|f⟩ = -|F_ext⟩ ,    f_n >= 0 ,    |f_t| <= μ f_n ,    Σ f_n r = 2 p A ,
+                 f_n = κ (σ̃ - r̃ - B y)                 data="all"
+                 Q f_n = κ (Q|σ̃⟩ - Λ - Q B y)          data="sizes"
+
+a convex quadratic program, solved by clarabel (interior point). B y is the effect of the noise
+on the data, see `scaling.noise.noise_model`. Noisy positions turn directions, so M in the first
+condition is M(x̃) - D y: no grain has to balance in directions that are wrong, but the y that
+rights it is the same that rights the overlaps, and weighed. What is linear in y is wrong by ~ξ²/Δ
+in forces; near isostaticity (without friction) that can leave nothing feasible: then it is noise
+of its own. The prior: mean f̄ = 2 p A/Σ r, a = 1 and b = 1/2. For ξ << Δ the data decide; for ξ
+>> Δ what no datum sees is left at the mean of the prior, as near as balance, pressure and
+inequalities allow, so the error saturates where that of unbiased estimates grows as ξ/Δ. Without
+inequalities it would too, at a higher level, and without a prior, as they leave a bounded set. A
+wrong friction or pressure costs most where the data are good (docs/estimators.md).
+
+Where distances are no data, in data="sizes" and for ξ = ∞, the pressure needs none: the forces
+across the sides of the cell say it (`scaling.estimators.bounded.program`).
+On open networks p is not needed: that the loads are balanced says Σ f_n r = 2 p A = -Σ x·F.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from packing.arguments.arrays import Floats
+from packing.arguments.numbers import instance
+from packing.progress import running
+from scaling.algebra.quadratic_program import minimise
+from scaling.estimators.bounded.posterior import Posterior
+from scaling.estimators.bounded.program import Program, Shift, program_of
+
+
+@dataclass(frozen=True)
+class Report:
+    """Of the convex solver, see `scaling.algebra.quadratic_program`; and whether the second order
+    of distances was let in."""
+
+    status: str
+    iterations: int
+    tolerance: float
+    curved: bool
+
+
+class Maximum(NamedTuple):
+    """Forces, η, the solver's report, and the program solved with its solution."""
+
+    forces: Floats
+    noise: Floats
+    report: Report
+    task: Program
+    z: Floats
+
+
+def bounded_forces(
+    posterior: Posterior, progress: bool | None = None
+) -> tuple[Floats, Floats, Report]:
+    """(f, η, the solver's report) at the maximum of the posterior: see `bounded_maximum`."""
+    found = bounded_maximum(posterior, progress)
+    return found.forces, found.noise, found.report
+
+
+def bounded_maximum(posterior: Posterior, progress: bool | None = None) -> Maximum:
+    """The maximum of the posterior.
+
+    Where noisy positions leave nothing feasible, the second order of the distances is let in as
+    noise of its own (report: curved). ValueError: clarabel missing, or nothing feasible;
+    RuntimeError: clarabel breaks down.
+    """
+    instance("posterior", posterior, Posterior)
+    with running("bounded: most probable forces", progress):
+        try:
+            return passes(posterior, curved=False)
+        except ValueError:
+            if posterior.noise is None or not posterior.noise.moves:
+                raise
+        return passes(posterior, curved=True)
+
+
+def passes(posterior: Posterior, curved: bool, shift: Shift | None = None) -> Maximum:
+    """`bounded_maximum` with the second order of distances, or without.
+
+    `shift` moves every Gaussian by noise of its own size: see
+    `scaling.uncertainty.credible_intervals`.
+    """
+    f, noise = np.zeros(posterior.equation.unknowns), posterior.noise
+    f[: posterior.equation.network.contacts] = posterior.mean_force
+    task = program_of(posterior, f, shift, curved)
+    z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
+    if noise is not None and noise.moves:
+        # The turning of directions is linear at the forces of the last pass.
+        task = program_of(posterior, task.forces(z), shift, curved)
+        z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
+    return Maximum(task.forces(z), task.noise(z), Report(**report, curved=curved), task, z)

@@ -1,0 +1,1 @@
+"""The best linear unbiased estimate, and whether its noise is plausible."""

@@ -1,0 +1,124 @@
+"""How many conditions the noise alone has to meet in `optimal`: the freedom of its misfit.
+
+    d = rank [C, -M_t] - rank M_t        data="all"
+    d = rank [0, M ; Q B, (Q, 0)] - rank G     data="sizes"
+
+since the η found is the projection of the true one on d directions. d is counted, per component:
+balances less those met whatever the noise (two translations; moments are left free), less
+transverse forces, at most the sizes that enter. Small problems are decomposed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import svdvals
+from scipy.sparse import csc_array, csr_array, diags_array, hstack, vstack
+
+from packing.arguments.arrays import Floats, Integers
+from scaling.equation.force_equation import ForceEquation
+from scaling.equation.global_moments import global_moments
+from scaling.estimators.misfit import Misfit
+from scaling.noise.noise_model import NoiseModel
+
+DENSE_UP_TO = 300
+"""Conditions up to which ranks are those of a decomposition."""
+_RANK = 1e-10
+
+
+def misfit_of_optimal(
+    equation: ForceEquation, noise: NoiseModel, η: Floats, φ: Floats, data: str
+) -> Misfit:
+    """Of `scaling.estimators.optimal.optimal`: η (k,) found, at the lengths φ = f/κ."""
+    d = float(conditions_on_noise(equation, noise, φ, data))
+    return Misfit(float(η @ η), d, d)
+
+
+def conditions_on_noise(equation: ForceEquation, noise: NoiseModel, φ: Floats, data: str) -> int:
+    """d, the number of independent conditions that the noise alone has to meet."""
+    acting, free = _conditions(equation, noise, φ, data)
+    if acting.shape[0] <= DENSE_UP_TO:
+        every = np.hstack([_scaled(acting).toarray(), free.toarray()])
+        return _rank(every) - _rank(free.toarray())
+    return _counted(equation, noise, acting, free, data)
+
+
+def _conditions(
+    equation: ForceEquation, noise: NoiseModel, φ: Floats, data: str
+) -> tuple[csr_array, csr_array]:
+    """Columns of the conditions for the noise, and for what is free."""
+    matrices, network = equation.matrices, equation.network
+    B = noise.overlaps(network)
+    if data == "sizes":
+        none = csr_array((equation.M.shape[0], noise.count))
+        return csr_array(vstack([none, matrices.Q @ B])), matrices.G
+    acting = csr_array(matrices.M_normal @ equation.stiffened(B) + noise.balance(network, φ))
+    if not equation.frictional:
+        return acting, csr_array((acting.shape[0], 0))
+    return acting, csr_array(hstack([matrices.M_tangential, global_moments(network)]))
+
+
+def _scaled(columns: csr_array) -> csr_array:
+    """With columns of length 1: noise of mixed strengths counts alike."""
+    length = np.sqrt(np.asarray(columns.multiply(columns).sum(axis=0)).ravel())
+    return csr_array(columns @ diags_array(1 / np.where(length > 0, length, 1.0)))
+
+
+def _rank(matrix: Floats) -> int:
+    if 0 in matrix.shape:
+        return 0
+    s = svdvals(matrix)
+    return int((s > _RANK * s[0]).sum())
+
+
+def _counted(
+    equation: ForceEquation, noise: NoiseModel, acting: csr_array, free: csr_array, data: str
+) -> int:
+    """d of a disordered network: the conditions left over, or the sources, if they are fewer."""
+    network, forest = equation.network, equation.network.forest
+    labels, part = np.unique(forest.component[network.active], return_inverse=True)
+    count, winding = len(labels), forest.winding_rank[labels]
+    of_contact = np.searchsorted(labels, forest.component[network.pairs[:, 0]])
+    c = np.bincount(of_contact, minlength=count)
+    balances = (3 if equation.frictional else 2) * np.bincount(part, minlength=count) - 2
+    moments = np.zeros(count, dtype=np.int64)
+    if equation.frictional:
+        columns = csc_array(global_moments(network))
+        grain = columns.indices[columns.indptr[:-1]] % len(network.active)
+        moments = np.bincount(part[grain], minlength=count)
+    elif not noise.moves:
+        moments = (winding == 0).astype(np.int64)  # met by normal forces, whatever they are
+    if data == "sizes":
+        loops = csc_array(network.loops.incidence.T)
+        first = loops.indices[loops.indptr[:-1]]
+        faces = np.bincount(of_contact[first], minlength=count)
+        # The faces of a torus add up to 0, and f_n ∝ r closes all loops.
+        closures = np.minimum(2 * faces - 2 * (winding == 2), c - 1)
+        # Of several moments, joined by bridges, the one of the whole is not exactly 0.
+        exact = moments - (moments > 0) if equation.frictional else moments
+        left = balances - exact + closures - (2 if equation.frictional else 1) * c
+    else:
+        left = balances - moments - (c if equation.frictional else 0)
+    sources = np.bincount(
+        _component_of_source(equation, acting, part, of_contact), minlength=count
+    )
+    if data == "sizes":
+        # Without loads, sizes and forces may grow by one factor.
+        loaded = network.external[network.active].any(axis=1)
+        sources = sources - (np.bincount(part[loaded], minlength=count) == 0)
+    return int(np.minimum(left, sources).sum())
+
+
+def _component_of_source(
+    equation: ForceEquation, acting: csr_array, part: Integers, of_contact: Integers
+) -> Integers:
+    """The component on which each source acts that acts on any: by the first row that feels it."""
+    columns = csc_array(acting)
+    columns.eliminate_zeros()
+    columns.sort_indices()
+    row = columns.indices[columns.indptr[:-1][np.diff(columns.indptr) > 0]]
+    balances, loops = equation.M.shape[0], equation.matrices.loops
+    if acting.shape[0] == balances:
+        return part[row % len(equation.network.active)]
+    incidence = csr_array(loops.incidence)
+    first = incidence.indices[incidence.indptr[(row - balances) % len(loops)]]
+    return of_contact[first]

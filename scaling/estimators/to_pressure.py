@@ -1,0 +1,46 @@
+"""Forces known up to one factor, as where the stiffness is not known: the pressure gives it."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from packing import contact_list
+from packing.arguments.arrays import Floats
+from packing.arguments.numbers import instance, positive_number
+from scaling.equation.virial import virial_of
+from scaling.geometry.contact_network import ContactNetwork
+
+
+def to_pressure(network: ContactNetwork, forces: ArrayLike, pressure: float) -> Floats:
+    """`forces` times the factor that makes Σ f_n r = 2 p A of a periodic cell.
+
+    Parameters
+    ----------
+    network : a periodic one without loads
+    forces : (2c,) f_n then f_t, or (c,) f_n alone
+    pressure : p > 0, force per length
+
+    Returns
+    -------
+    Forces of the shape given.
+
+    Raises
+    ------
+    ValueError : the network is open or has loads, the pressure is not positive, the forces are
+        not finite, too many or too few, or do not push.
+
+    Notes
+    -----
+    On a torus without loads all forces are proportional to the stiffness, so an unknown factor of
+    κ is one factor of all forces.
+    """
+    instance("network", network, ContactNetwork)
+    pressure = positive_number("pressure", pressure)
+    f, _ = contact_list.forces(forces, network.contacts)
+    if network.cell is None:
+        raise ValueError("pressure needs a periodic cell: loads fix the scale of an open network")
+    target = virial_of(network, pressure)
+    virial = float(f[: network.contacts] @ network.distances)
+    if not virial > 0:
+        raise ValueError(f"the forces do not push: Σ f_n r = {virial:.3g}")
+    return f * (target / virial)

@@ -1,0 +1,207 @@
+"""From what a user says, network, method and noise, to the response of an estimator.
+
+error_map       E itself                 worst_pattern   its first singular vectors
+gain            K = ‖E‖_F/√(2c)          amplification   C = K p/⟨|f|⟩
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from packing.arguments.arrays import Floats, real_array
+from packing.arguments.numbers import choice, flag, instance, shown
+from packing.contact_law import ContactLaw, Linear, PerContact, law_of
+from scaling.equation.force_equation import ForceEquation, force_equation
+from scaling.estimators.estimator import LinearEstimator
+from scaling.estimators.response import Response
+from scaling.estimators.table import linear_estimator, linear_names
+from scaling.geometry.contact_network import ContactNetwork
+from scaling.noise.noise_model import NoiseModel, noise_model
+from scaling.uncertainty.error_map import ErrorMap
+
+_OF_SOLVING = ("xi", "normal_forces", "friction")
+"""Options of linear estimators that errors do not depend on."""
+
+
+def asked_for(
+    method: str, options: Mapping[str, Any], frictional: bool, winding: bool = False
+) -> LinearEstimator:
+    """The linear estimator of this name; ValueError for options or equations of no use to it."""
+    choice("method", method, linear_names())
+    flag("frictional", frictional)
+    for name in _OF_SOLVING:
+        if options.get(name) is not None:
+            raise ValueError(f"errors are per noise and in any units: {name} is not used")
+    made = linear_estimator(method, options)
+    made.check_kind(frictional, flag("winding", winding))
+    return made
+
+
+def response(
+    estimator: LinearEstimator,
+    equation: ForceEquation,
+    model: NoiseModel,
+    *,
+    kind: str = "size",
+    forces: ArrayLike | None = None,
+    stiffness: ArrayLike | ContactLaw | None = None,
+) -> Response:
+    """The response of a linear estimator; `kind` of noise, for messages, the rest as for
+    `error_map`."""
+    _refuse_unused(model.moves, kind, forces, stiffness)
+    f = None
+    if forces is not None:
+        f = real_array("forces", forces, (equation.unknowns,), "component")
+    equation = _tangent(equation, f, stiffness)
+    lengths = None
+    if f is not None and model.moves:
+        κ = slope(equation.network, f) if equation.law is None else equation.stiffness
+        lengths = f / κ
+    found = estimator.response(equation, model, lengths)
+    _ = found.prepared  # what is not determined is refused now
+    return found
+
+
+def dependence(moves: bool, stiffness: ArrayLike | ContactLaw | None) -> tuple[bool, bool]:
+    """Whether a response depends on the forces, and on the stiffness.
+
+    On forces where directions turn, and where slopes of a law do; on one κ only together with
+    them, as a scale; on stiffnesses per contact by their ratios.
+    """
+    law = None if stiffness is None else law_of(stiffness)
+    if law is None or isinstance(law, Linear):
+        return moves, moves
+    return moves or not isinstance(law, PerContact), True
+
+
+def _refuse_unused(
+    moves: bool, kind: str, forces: ArrayLike | None, stiffness: ArrayLike | ContactLaw | None
+) -> None:
+    on_forces, on_stiffness = dependence(moves, stiffness)
+    if (forces is not None and not on_forces) or (stiffness is not None and not on_stiffness):
+        raise ValueError(f"{kind} noise leaves G alone: forces and stiffness are not used")
+    if forces is not None or stiffness is None:
+        return
+    law = law_of(stiffness)
+    if isinstance(law, Linear):
+        raise ValueError("stiffness is not used without forces")
+    if not isinstance(law, PerContact):
+        raise ValueError(
+            f"stiffness = {shown(stiffness)} is no linear law: its slopes need the forces"
+        )
+
+
+def _tangent(
+    equation: ForceEquation, forces: Floats | None, stiffness: ArrayLike | ContactLaw | None
+) -> ForceEquation:
+    """The equation with its law; with the slopes at `forces` of one that is not linear."""
+    if stiffness is None:
+        return equation
+    told = equation.with_law(stiffness)
+    if told.linear or forces is None or told.law is None:
+        return told
+    fn = forces[: equation.network.contacts]
+    return equation.with_law(PerContact(told.law.slope(told.law.overlap(fn))))
+
+
+def slope(network: ContactNetwork, forces: Floats) -> float:
+    """κ that fits f_n = κ δ best; ValueError if that is not positive."""
+    δ, fn = network.overlaps, forces[: network.contacts]
+    κ = float(fn @ δ / (δ @ δ)) if δ.any() else np.nan
+    if not κ > 0:
+        raise ValueError(f"forces and overlaps give the stiffness {κ}: give it as stiffness")
+    return κ
+
+
+def error_map(
+    network: ContactNetwork,
+    method: str = "gppsz",
+    noise: str = "diameter",
+    *,
+    covariance: Any = None,
+    frictional: bool = True,
+    forces: ArrayLike | None = None,
+    stiffness: ArrayLike | ContactLaw | None = None,
+    **options: Any,
+) -> ErrorMap:
+    """The error map of `method` at the noise-free `network`.
+
+    Parameters
+    ----------
+    network : without noise
+    method : "gppsz", "direct", "transverse", "balanced" or "optimal"
+    noise, covariance : see `scaling.noise.noise_model`. E is the response per ξ; a covariance has
+        a ξ of its own, `ErrorMap.xi`, so that errors of forces are κ `xi` times those of the map
+    frictional : False: c normal forces, no torques
+    forces : (2c,) or (c,), if positions are noisy: adds the turning of directions in M. Without
+        them directions count as exact in M, and for "transverse" nothing would be left: refused.
+        Of a law that is not linear, the forces at which its slopes are taken
+    stiffness : κ of these forces; by default the slope of f_n against the overlaps. (c,) of them
+        where contacts differ (κ in errors is then the mean), or a law
+    **options : of the estimator: solver and tol, or data
+
+    Returns
+    -------
+    E, with what follows from it.
+
+    Raises
+    ------
+    ValueError : bad input, an argument not used, or an equation without a unique solution.
+
+    Notes
+    -----
+    δf = κ ξ E η to first order in the noise, exactly for noise on sizes: see
+    `scaling.uncertainty.error_map`.
+
+    Examples
+    --------
+    >>> from scaling import ContactNetwork, error_map
+    >>> triangle = ContactNetwork(
+    ...     [[0, 0], [1, 0], [0.5, 0.75**0.5]], [0.5] * 3, [(0, 1), (1, 2), (0, 2)])
+    >>> f"{error_map(triangle).gain:.3f}"
+    '0.240'
+    """
+    instance("network", network, ContactNetwork)
+    made = asked_for(method, options, frictional)
+    kind = noise if covariance is None else "size"
+    found = response(
+        made, force_equation(network, frictional), noise_model(network, noise, covariance),
+        kind=kind, forces=forces, stiffness=stiffness,
+    )  # fmt: skip
+    return ErrorMap(found)
+
+
+def worst_pattern(
+    network: ContactNetwork, method: str = "gppsz", noise: str = "diameter", **more: Any
+) -> tuple[float, Floats, Floats]:
+    """The noise that hurts most: (s, η, δf) with |η| = 1 and |δf| = s, per κ ξ.
+
+    Parameters
+    ----------
+    network, method, noise, **more : as for `error_map`
+
+    Returns
+    -------
+    s, a length; η (k,); δf (2c,), lengths.
+
+    Raises
+    ------
+    ValueError : see `error_map`.
+
+    Notes
+    -----
+    The first singular vectors of the error map.
+
+    Examples
+    --------
+    >>> from scaling import ContactNetwork, worst_pattern
+    >>> triangle = ContactNetwork(
+    ...     [[0, 0], [1, 0], [0.5, 0.75**0.5]], [0.5] * 3, [(0, 1), (1, 2), (0, 2)])
+    >>> f"{worst_pattern(triangle)[0]:.3f}"
+    '0.417'
+    """
+    return error_map(network, method, noise, **more).worst_pattern()

@@ -1,0 +1,1 @@
+"""What the estimators do with noise, and with what they are told."""

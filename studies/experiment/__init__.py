@@ -1,0 +1,1 @@
+"""What an experiment gets wrong: contacts, scales, digits, stiffness."""

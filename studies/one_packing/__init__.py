@@ -1,0 +1,1 @@
+"""One packing of 1000 grains looked at contact by contact."""

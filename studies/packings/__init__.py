@@ -1,0 +1,1 @@
+"""Whether packings are at rest, the same, and what their making leaves in them."""

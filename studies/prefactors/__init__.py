@@ -1,0 +1,1 @@
+"""How large the error is: the prefactor C of E = C ξ/Δ, and its laws."""
