@@ -16,7 +16,24 @@ _METHODS = ("force", "overlap", "slope", "tangential_stiffness", "delta")
 
 
 def is_law(thing: object) -> TypeGuard[ContactLaw]:
-    """Whether it has all that a contact law has to know."""
+    """Whether something can be asked all that a contact law has to know.
+
+    Parameters
+    ----------
+    thing : object
+        A law, or what stands for one: see `law_of`.
+
+    Returns
+    -------
+    bool
+        Whether it has the five methods of a `ContactLaw`.
+
+    Examples
+    --------
+    >>> from packing.contact_law import Linear, is_law
+    >>> is_law(Linear(100.0)), is_law(100.0)
+    (True, False)
+    """
     return all(callable(getattr(thing, name, None)) for name in _METHODS)
 
 

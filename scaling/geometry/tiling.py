@@ -7,10 +7,10 @@ large cell keeps an image. Forces, loads and pressure repeat, so they remain exa
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from packing import contact_list
-from packing.arguments.arrays import Floats
+from packing.arguments.arrays import Floats, Integers
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import instance, shown, whole_number
 from packing.lattice import forward
@@ -54,22 +54,15 @@ def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
     ContactNetwork(9 grains, 18 contacts, periodic)
     """
     instance("network", network, ContactNetwork)
-    n, N = whole_number("copies", copies, 1), network.grains
+    n = whole_number("copies", copies, 1)
     if network.cell is None:
         raise ValueError("an open network cannot be tiled: it has no cell")
     if network.positions is None:
         raise ValueError("tiling needs positions: this network has directions only")
-    _refuse_too_many(n, N, network.contacts)
+    _refuse_too_many(n, network.grains, network.contacts)
     place = np.array([[a, b] for a in range(n) for b in range(n)])
     x = (network.positions[None] + (place @ network.cell)[:, None]).reshape(-1, 2)
-    i, j = network.pairs.T
-    target = place[:, None, :] + network.images[None]
-    inside, images = target % n, target // n
-    first = (np.arange(n * n)[:, None] * N + i).ravel()
-    second = ((inside[..., 0] * n + inside[..., 1]) * N + j).ravel()
-    images = images.reshape(-1, 2)
-    swap = (first > second) | ((first == second) & ~forward(images))
-    pairs = np.column_stack([np.where(swap, second, first), np.where(swap, first, second)])
+    pairs, images, swap = _repeated_contacts(network, place, n)
     radii, cell = np.tile(network.radii, n * n), n * network.cell
     low, normals = NO_LOW_PARTS, None
     if network.extended is not None:
@@ -84,11 +77,27 @@ def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
         radii,
         pairs,
         cell=cell,
-        images=np.where(swap[:, None], -images, images),
+        images=images,
         external=np.tile(network.external, (n * n, 1)),
         normals=normals,
         low=low,
     )
+
+
+def _repeated_contacts(
+    network: ContactNetwork, place: Integers, n: int
+) -> tuple[Integers, Integers, NDArray[np.bool_]]:
+    """Pairs and images of all copies, and which contacts are walked the other way, for i <= j."""
+    N = network.grains
+    i, j = network.pairs.T
+    target = place[:, None, :] + network.images[None]
+    inside, images = target % n, target // n
+    first = (np.arange(n * n)[:, None] * N + i).ravel()
+    second = ((inside[..., 0] * n + inside[..., 1]) * N + j).ravel()
+    images = images.reshape(-1, 2)
+    swap = (first > second) | ((first == second) & ~forward(images))
+    pairs = np.column_stack([np.where(swap, second, first), np.where(swap, first, second)])
+    return pairs, np.where(swap[:, None], -images, images), swap
 
 
 def tiled_forces(network: ContactNetwork, forces: ArrayLike, copies: int) -> Floats:

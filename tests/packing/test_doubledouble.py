@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from packing.doubledouble import EPS, DoubleDouble, hypot, segment_sums
-from packing.error_free import two_prod, two_sum
+from packing.doubledouble import EPS, DoubleDouble, hypot, segment_sums, two_prod, two_sum
 
 numbers = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-12)
 parts = st.tuples(numbers, st.floats(-1, 1))

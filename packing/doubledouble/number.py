@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from packing.arguments.arrays import real_array, whole_array
 from packing.arguments.numbers import instance, shown
-from packing.error_free import doubles, product_and_rest, refuse_shapes, sum_and_rest
+from packing.doubledouble.error_free import doubles, product_and_rest, refuse_shapes, sum_and_rest
 from packing.immutable import Immutable
 
 #: Relative error of one operation.
@@ -60,6 +60,7 @@ class DoubleDouble(Immutable):
 
     Examples
     --------
+    >>> from packing.doubledouble import DoubleDouble
     >>> third = DoubleDouble.of(1.0) / 3.0
     >>> f"{float(third * 3.0 - 1.0):.0e}", f"{third.low:.2e}"
     ('0e+00', '1.85e-17')
