@@ -27,7 +27,7 @@ TABLE = np.dtype([
 
 def measure(grains: int, seed: int) -> tuple[Any, ...]:
     """One packing."""
-    module, spent = import_module("dem.protocols.relax"), []
+    module, spent = import_module("dem.protocols.settling"), []
     polish = module.polish
 
     def timed(*arguments: Any) -> Any:

@@ -62,7 +62,7 @@ def measure(delta: float, grains: int, seed: int) -> list[tuple[Any, ...]]:
         noise = noise_of_forces(at_rest, precision)
         start = time.process_time()
         try:
-            with patch.object(import_module("dem.protocols.relax"), "SMALLEST_IN_SINGLE", 0.0):
+            with patch.object(import_module("dem.protocols.plan"), "SMALLEST_IN_SINGLE", 0.0):
                 p = relax(Scene(grains, delta), seed, settings=settings, progress=False)
         except NotRelaxed:
             spent = time.process_time() - start

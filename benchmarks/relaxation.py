@@ -46,7 +46,7 @@ def ways() -> dict[str, Callable[[Scene, int], Packing]]:
 
 
 def _full_drag(scene: Scene, seed: int, progress: bool | None = None) -> Packing:
-    with patch.object(import_module("dem.protocols.relax"), "TAIL_DRAG", 1.0):
+    with patch.object(import_module("dem.protocols.relaxation"), "TAIL_DRAG", 1.0):
         return relax(scene, seed, progress=progress)
 
 

@@ -42,6 +42,9 @@ ARRAYS = (
     "external", "stiffness", "pressure", "friction", "positions_low", "radii_low", "cell_low",
 )  # fmt: skip
 RTOL, RTOL_BOUNDED = 1e-9, 1e-6
+_RATIOS = {"0.01": "hundredth", "1": "equal", "100": "hundredfold"}
+RENAMED = {f"{kind}at_{r}": f"{kind}{n}" for kind in ("", "E_") for r, n in _RATIOS.items()}
+"""Columns that had a number for a name, which not every reader takes for one."""
 
 
 def freeze(folder: Path) -> None:
@@ -87,20 +90,23 @@ def _packings(before: Path, after: Path) -> list[str]:
 
 
 def _tables(before: Path, after: Path) -> list[str]:
+    """Columns by name: those of before have to be there, in the same rows."""
     old, new = (_rows(path) for path in (before, after))
     if len(old) != len(new):
         return [f"{before.name}: {len(old)} rows became {len(new)}"]
     for k, (a, b) in enumerate(zip(old, new, strict=True)):
-        rtol = RTOL_BOUNDED if any("bounded" in word for word in a) else RTOL
-        if len(a) != len(b) or not all(map(_same, a, b, [rtol] * len(a))):
-            return [f"{before.name}, row {k}: {a} became {b}"]
+        rtol = RTOL_BOUNDED if any("bounded" in word for word in a.values()) else RTOL
+        for name, value in a.items():
+            now = b.get(name, b.get(RENAMED.get(name, ""), "nothing"))
+            if not _same(value, now, rtol):
+                return [f"{before.name}, row {k}: {name} = {value} became {now}"]
     return []
 
 
-def _rows(path: Path) -> list[list[str]]:
-    """Rows of numbers and words: no comments, no line of names."""
+def _rows(path: Path) -> list[dict[str, str]]:
+    """Rows by the names of their columns; what a table says about itself is left out."""
     lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
-    return list(csv.reader(lines[1:]))
+    return list(csv.DictReader(lines))
 
 
 def _same(a: str, b: str, rtol: float) -> bool:

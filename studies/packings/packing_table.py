@@ -35,15 +35,15 @@ def compute(packings: Sequence[Packing], errors: np.ndarray) -> np.ndarray:
     rows = []
     for delta in np.unique(errors["delta"]):
         mine = [p for p in packings if p.delta == delta]
-        steps = np.array([p.provenance.steps for p in mine])
+        steps = np.array([p.info["steps"] for p in mine])
         z = np.array([p.coordination for p in mine])
-        times = [p.provenance.inertial_times for p in mine]
+        times = [p.info["inertial_times"] for p in mine]
         rattlers = np.array([p.rattlers.mean() for p in mine])
         first = errors[errors["delta"] == delta][0]
         rows.append((
             delta, len(mine), np.exp(np.log(steps).mean()), steps.min(), steps.max(),
             np.median(times), min(times), max(times),
-            max(p.provenance.residual for p in mine), max(spring_error(p) for p in mine),
+            max(p.info["residual"] for p in mine), max(spring_error(p) for p in mine),
             z.mean(), z.std(ddof=1),
             np.mean([p.solid_fraction for p in mine]),
             rattlers.mean(), rattlers.std(ddof=1),
@@ -72,7 +72,7 @@ def exponent(packings: Sequence[Packing]) -> tuple[float, float]:
     """Exponent of steps ~ Δ^-a over Δ <= 1e-2 and its standard error."""
     stiff = [p for p in packings if p.delta <= 1e-2]
     x = np.log([p.delta for p in stiff])
-    y = np.log([p.provenance.steps for p in stiff])
+    y = np.log([p.info["steps"] for p in stiff])
     (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
     return float(-slope), float(np.sqrt(covariance[0, 0]))
 
