@@ -21,7 +21,8 @@ from scaling.symbolic.loops.closed_forms import (
     triangle_gain,
 )
 from scaling.symbolic.loops.fourier import ring_squared_gain
-from scaling.symbolic.loops.gain import loop_gaps, null_space, pseudo_inverse, rank, squared_gain
+from scaling.symbolic.loops.gain import loop_gaps, squared_gain
+from scaling.symbolic.loops.linear_algebra import null_space, pseudo_inverse, rank
 from scaling.symbolic.loops.named_networks import bowtie, rhombus, ring, square, triangle, wheel
 from scaling.symbolic.loops.symbolic_network import SymbolicNetwork
 from scaling.symbolic.loops.table import table

@@ -20,7 +20,7 @@ from scaling.symbolic.inputs import contact_law
 from scaling.symbolic.inputs.closure import closure_matrix
 from scaling.symbolic.inputs.contact_law import Delta, alpha
 from scaling.symbolic.inputs.equilibrium import balance_matrix
-from scaling.symbolic.loops.gain import pseudo_inverse
+from scaling.symbolic.loops.linear_algebra import pseudo_inverse
 from scaling.symbolic.loops.named_networks import EAST, triangle
 from scaling.symbolic.loops.number_field import ExactField
 from scaling.symbolic.loops.symbolic_network import SymbolicNetwork

@@ -10,7 +10,8 @@ from sympy import Expr
 
 from packing.arguments.numbers import flag
 from scaling.symbolic.loops.arguments import a_network, checked, whole
-from scaling.symbolic.loops.gain import rank, squared_gain
+from scaling.symbolic.loops.gain import squared_gain
+from scaling.symbolic.loops.linear_algebra import rank
 from scaling.symbolic.loops.named_networks import bowtie, rhombus, ring, square, triangle, wheel
 from scaling.symbolic.loops.symbolic_network import SymbolicNetwork
 
