@@ -79,6 +79,7 @@ class Scene:
 
     Examples
     --------
+    >>> from dem import Scene
     >>> Scene(grains=500, delta=1e-4).pressure
     0.0001
     """
@@ -116,7 +117,7 @@ class Scene:
                 f"[{SMALLEST_RATIO:g}, {LARGEST_RATIO:g}]"
             )
         self._check_width()
-        if is_law(self.contact) and not isinstance(self.contact, type):
+        if is_law(self.contact):
             self._take(self.contact)
         for name, only in (("contact", "linear"), ("boundary", "periodic")):
             value = getattr(self, name)

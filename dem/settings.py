@@ -34,27 +34,44 @@ class Settings:
 
     Parameters
     ----------
-    time_step : in units of √(m_eff/κ), m_eff half the mass of the lightest grain.  Steps to rest
-        fall as its inverse; packings made with 0.2 have the same statistics (docs/trade.md).
-    drag : rate of the viscous drag on grains, rotation and cell, in √(p/ρ)/⟨σ⟩.
-    dashpot : normal contact dashpot in units of √(m κ) of a mean grain; keep it 0 (see ``law``).
-    velocity_tolerance : mean speed, in ⟨σ⟩√(p/ρ)/⟨σ⟩, at which integration ends.  None: 1e-5
-        with the polish, else the Comment's 1e-8; in float32 1e-4 and 1e-5.
-    residual_tolerance : largest force or torque residual of a polished packing, in p⟨σ⟩; where
-        Newton's method stalls above it, integration goes on.
-    skin : width of the neighbour list beyond touching, in ⟨σ⟩.
-    polish : end with Newton's method on the contacts.
-    longest : inertial times ⟨σ⟩√(ρ/p) after which relaxation is given up.
-    backend : "auto", "numpy" or "numba".
-    precision : "float64" or "float32", of the time integration; the polish is in float64.  In
-        float32 rest comes later, or not at all, where Δ and friction are both small: at Δ = 1e-4,
+    time_step : float
+        In units of √(m_eff/κ), m_eff half the mass of the lightest grain.  Steps to rest fall as
+        its inverse; packings made with 0.2 have the same statistics (docs/trade.md).
+    drag : float
+        Rate of the viscous drag on grains, rotation and cell, in √(p/ρ)/⟨σ⟩.
+    dashpot : float
+        Normal contact dashpot in units of √(m κ) of a mean grain; keep it 0 (see ``model.law``).
+    velocity_tolerance : float, optional
+        Mean speed, in ⟨σ⟩√(p/ρ)/⟨σ⟩, at which integration ends.  None: 1e-5 with the polish, else
+        the Comment's 1e-8; in float32 1e-4 and 1e-5.
+    residual_tolerance : float
+        Largest force or torque residual of a polished packing, in p⟨σ⟩; where Newton's method
+        stalls above it, integration goes on.
+    skin : float
+        Width of the neighbour list beyond touching, in ⟨σ⟩.
+    polish : bool
+        End with Newton's method on the contacts.
+    longest : float
+        Inertial times ⟨σ⟩√(ρ/p) after which relaxation is given up.
+    backend : str
+        "auto", or a kernel of ``dem.motion.backends.BACKENDS``.
+    precision : str
+        "float64" or "float32", of the time integration; the polish is in float64.  In float32
+        rest comes later, or not at all, where Δ and friction are both small: at Δ = 1e-4,
         μ = 1e-3 after ten times as many steps, if it comes.  What does not rest is refused.
 
     Raises
     ------
-    ValueError : naming the setting and its value, and the limits that it is outside of (a drag
-        from 1e-3 to 1e3, a skin from 1e-3 to 2, residual_tolerance up to 1e-3, longest up
-        to 1e6); ``relax`` refuses what would take more than 1e8 time steps.
+    ValueError
+        Naming the setting and its value, and the limits that it is outside of (a drag from 1e-3 to
+        1e3, a skin from 1e-3 to 2, residual_tolerance up to 1e-3, longest up to 1e6); ``relax``
+        refuses what would take more than 1e8 time steps.
+
+    Examples
+    --------
+    >>> from dem import Settings
+    >>> Settings().speed, Settings(polish=False).speed
+    (1e-05, 1e-08)
     """
 
     time_step: float = 0.8

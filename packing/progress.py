@@ -15,7 +15,7 @@ from packing.arguments.numbers import flag
 
 DELAY = 3.0
 """Seconds before a bar of `counted` or `running` appears."""
-_BEAT = 1.0
+BEAT = 1.0
 
 T = TypeVar("T")
 
@@ -65,7 +65,7 @@ def running(doing: str, progress: bool | None = None) -> Iterator[None]:
         done = Event()
 
         def beat() -> None:
-            while not done.wait(_BEAT):
+            while not done.wait(BEAT):
                 shown.update(0)
                 shown.refresh()
 

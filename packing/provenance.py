@@ -55,6 +55,7 @@ class Provenance:
 
     Examples
     --------
+    >>> from packing.provenance import Provenance
     >>> Provenance(seed=1, notes={"by": "hand"}).plain()
     {'seed': 1, 'by': 'hand'}
     """

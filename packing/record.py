@@ -67,6 +67,7 @@ class Packing(PackingData):
     --------
     Two disks pressed together by a force of one overlap:
 
+    >>> from packing.record import Packing
     >>> packing = Packing(
     ...     [[0, 0], [0.99, 0]], [0.5, 0.5], None, [[0, 1]], [[0, 0]], [0.01], [0],
     ...     [[0.01, 0, 0], [-0.01, 0, 0]], stiffness=1, pressure=0.01, friction=0.3,

@@ -12,13 +12,13 @@ from dem.motion.neighbours import find_neighbours
 from dem.motion.state import State
 
 
-class NotRight(ArithmeticError):
+class NotThisPacking(ArithmeticError):
     """At rest, but no packing of the scene."""
 
 
 def refuse_missed_contacts(state: State, near: Neighbours) -> None:
     """Every overlapping pair of the final positions, found anew, must be on the list used, and
-    no grain may hold the centre of another: it has tunnelled.  NotRight if not."""
+    no grain may hold the centre of another: it has tunnelled.  NotThisPacking if not."""
     width = 1e-3 * 2 * float(state.radii.mean())
     fresh = find_neighbours(replace(state, history=History()), width)
     r = np.abs(fresh.branches(state))
@@ -26,12 +26,12 @@ def refuse_missed_contacts(state: State, near: Neighbours) -> None:
     for e in np.flatnonzero(r < fresh.sigma):
         i, j = fresh.pairs[e]
         if (i, j, *fresh.images[e]) not in known:
-            raise NotRight(
+            raise NotThisPacking(
                 f"grains {i} and {j} overlap by {fresh.sigma[e] - r[e]:.3g} and were not on the "
                 "neighbour list: take a wider skin or a shorter time step"
             )
         if r[e] < max(state.radii[i], state.radii[j]):
-            raise NotRight(
+            raise NotThisPacking(
                 f"grain {i} holds the centre of grain {j}: shorten the "
                 "time step or, if they are very unequal, lower Δ"
             )

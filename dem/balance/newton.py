@@ -36,7 +36,10 @@ REFINEMENTS, OPENINGS = 20, 5
 
 
 class PolishFailed(ArithmeticError):
-    """Newton did not converge: the packing was not near enough to rest."""
+    """Newton's method did not converge: the packing was not near enough to rest.
+
+    ``relax`` integrates on and tries again; ``refine`` and ``stiffen`` end with it.
+    """
 
 
 def polish(

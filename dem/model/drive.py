@@ -36,6 +36,7 @@ class Drive:
 
     Examples
     --------
+    >>> from dem import Drive
     >>> Drive(drag=0.1, pressure=1e-2)
     Drive(drag=0.1, pressure=0.01)
     """

@@ -21,13 +21,33 @@ OF_THE_HISTORY = " of the history"
 
 @dataclass(eq=False)
 class History:
-    """Tangential elongations ``u (c,)`` of the contacts ``(i, j, image)`` that carry them.
+    """Tangential springs of the contacts that carry one.
 
-    ``pairs (c, 2)`` with i < j, or i = j through an image; ``images (c, 2)`` shifts of j in
-    lattice vectors.  Images left from before positions were wrapped are understood.
+    Parameters
+    ----------
+    pairs : (c, 2) array
+        Grains i < j, or i = j through an image.
+    images : (c, 2) array
+        Whole shifts of j in lattice vectors; those left from before positions were wrapped are
+        understood.
+    elongations : (c,) array
+        u, lengths.
 
-    Raises ValueError, naming the contact, for shapes that do not fit, NaN, an index or image that
-    is no whole number, i > j, and a contact given twice.
+    Raises
+    ------
+    ValueError
+        Naming the contact: shapes that do not fit, NaN, an index or image that is no whole
+        number, i > j, and a contact given twice.
+
+    Notes
+    -----
+    f_t = k_t u, where u is the slip since the contact closed, cut where |f_t| reaches μ f_n.
+
+    Examples
+    --------
+    >>> from dem import History
+    >>> History([[0, 1]], [[0, 0]], [1e-3]).elongations.tolist()
+    [0.001]
     """
 
     pairs: Ints = field(default_factory=lambda: np.empty((0, 2), np.int64))

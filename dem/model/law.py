@@ -10,6 +10,7 @@ time scale, as a viscosity ~ Δ^(-1/2), and stiff packings creep for ever.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -53,6 +54,7 @@ class ContactLaw:
 
     Examples
     --------
+    >>> from dem import ContactLaw
     >>> ContactLaw(2.0, 0.25).tangential
     0.5
     """
@@ -80,7 +82,7 @@ class ContactLaw:
         object.__setattr__(self, "friction", number_from_zero("friction", friction))
         object.__setattr__(self, "dashpot", number_from_zero("dashpot", dashpot))
 
-    @property
+    @cached_property
     def linear(self) -> Linear | None:
         """The springs, if they are linear."""
         return self.contact if isinstance(self.contact, Linear) else None
@@ -95,7 +97,7 @@ class ContactLaw:
         """k_t/κ of linear springs; ValueError for another law, which has none."""
         return self._springs("stiffness_ratio").stiffness_ratio
 
-    @property
+    @cached_property
     def tangential(self) -> float:
         """k_t of linear springs; ValueError for another law, which has none."""
         return self.stiffness * self.stiffness_ratio
@@ -137,7 +139,7 @@ class ContactLaw:
 
 def elastic_law(contact: object) -> ElasticLaw:
     """``contact``, if it is a law that any contact may follow; else ValueError."""
-    if not is_law(contact) or isinstance(contact, type):
+    if not is_law(contact):
         raise ValueError(f"contact = {contact!r} is no contact law")
     if isinstance(contact, PerContact):
         raise ValueError("contact is a law per contact, but contacts come and go in motion")

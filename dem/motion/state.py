@@ -65,6 +65,7 @@ class State:
 
     Examples
     --------
+    >>> from dem import State
     >>> State([[0.0, 0.0], [1.0, 0.0]], [0.5, 0.5], velocities=[[1.0, 0.0], [0.0, 0.0]]).mean_speed
     0.5
     """

@@ -1,4 +1,8 @@
-"""Advance a state in time: the bare integrator, in one call."""
+"""Advance a state in time: the bare integrator, in one call.
+
+Velocity Verlet with the drag taken implicitly; the slip of a contact over a step is taken in the
+frame at mid-step, which keeps the scheme of second order with history.
+"""
 
 from __future__ import annotations
 
@@ -30,13 +34,12 @@ def step(
     dt : float
         Time step.
     drive : Drive
-        Drag and pressure.  Without a pressure the cell is fixed: ``state.strain_rate`` is then
-        left as it is and acts on nothing, dashpots included.
+        Without a pressure the cell is fixed: ``state.strain_rate`` is then left as it is and acts
+        on nothing, dashpots included.
     steps : int
         How many, from 1 to 1e8.
     skin : float, optional
-        How far a neighbour list looks beyond touching, a length; 0.3 mean diameters if None.  It
-        changes the cost, not the result.
+        Width of a neighbour list beyond touching; it changes the cost, not the result.
     backend : str
         "auto", or a kernel of ``dem.motion.backends.BACKENDS``.
     precision : str
@@ -58,19 +61,15 @@ def step(
     FloatingPointError
         Positions, velocities or cell are no longer finite: the time step was too long.
 
-    Notes
-    -----
-    Velocity Verlet with the drag taken implicitly; the slip of a contact over a step is taken in
-    the frame at mid-step, which keeps the scheme of second order with history.
-
     Examples
     --------
+    >>> from dem import ContactLaw, State, step
     >>> state = State([[0.0, 0.0], [2.0, 0.0]], [0.5, 0.5], velocities=[[1.0, 0.0], [0.0, 0.0]])
     >>> round(float(step(state, ContactLaw(), 0.01, steps=50, backend="numpy").positions[0, 0]), 6)
     0.5
     """
-    simulation = Simulation(
+    moved = Simulation(
         state, law, dt, drive=drive, skin=skin, backend=backend, precision=precision
     )
-    simulation.advance(steps)
+    moved.advance(steps)
     return state

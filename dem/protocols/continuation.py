@@ -25,7 +25,7 @@ import numpy as np
 
 from dem.balance.contact_forces import bearing_contacts
 from dem.balance.high_precision import ExtendedEquilibrium, Place
-from dem.balance.missed_contacts import NotRight, refuse_missed_contacts
+from dem.balance.missed_contacts import NotThisPacking, refuse_missed_contacts
 from dem.balance.newton import PolishFailed, newton
 from dem.balance.prediction import predict
 from dem.balance.rattlers import ROUNDING, NoRoom, freed
@@ -75,7 +75,7 @@ def continued(packing: Packing, delta: float, ratio: float, progress: bool | Non
             bar.show(p / packing.stiffness)
     try:
         refuse_missed_contacts(place.state(), near)
-    except NotRight as wrong:
+    except NotThisPacking as wrong:
         raise PolishFailed(f"continuation to Δ = {delta:g}: {wrong}") from wrong
     facts = {"stages": stages, "newton": iterations, "from": packing.delta}
     new = replace(

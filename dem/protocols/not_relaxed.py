@@ -20,6 +20,15 @@ class NotRelaxed(RuntimeError):
         Mean speed reached, in ⟨σ⟩√(p/ρ)/⟨σ⟩.
     residual : float
         Largest force or torque residual reached, in p⟨σ⟩; NaN if not measured.
+
+    Examples
+    --------
+    >>> from dem import NotRelaxed, Scene, Settings, relax
+    >>> try:
+    ...     relax(Scene(20, 1e-2), 1, settings=Settings(longest=2.0), progress=False)
+    ... except NotRelaxed as failure:
+    ...     print(str(failure)[:31], failure.speed > 1e-5)
+    Δ = 0.01, N = 20, seed 1: mean  True
     """
 
     def __init__(self, message: str, state: State, speed: float, residual: float) -> None:

@@ -15,31 +15,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from itertools import islice
-from math import exp, sqrt
 from typing import Any
 
 import numpy as np
 
-from dem.model.drive import Drive
-from dem.model.history import History
-from dem.motion.state import State
 from dem.protocols.not_relaxed import NotRelaxed
-from dem.protocols.plan import Plan, check_noise
-from dem.protocols.progress import PressureBar
+from dem.protocols.plan import check_noise
 from dem.protocols.relax import CONTINUED_BELOW
-from dem.protocols.relaxation import advance, come_to_rest
-from dem.protocols.resume import check_resumable, mean_diameter, origin, recorded_ratio, rescaled
-from dem.scene import LARGEST_DELTA, Scene
+from dem.protocols.resume import check_resumable, mean_diameter, recorded_ratio, rescaled
+from dem.protocols.stage import stage
+from dem.scene import LARGEST_DELTA
 from dem.settings import Settings
 from packing.arguments.arrays import real_array
 from packing.arguments.numbers import instance, real_number, shown
 from packing.progress import hidden
 from packing.record import Packing
 
-#: Changes of ln p per inertial time: a decade takes 23 of them, as long as coming to rest does.
-RATE = 0.1
-#: Steps between two values of the pressure.
-STRIDE = 20
 #: Every stage is a relaxation: more of them are a series that does not end.
 MOST_STAGES = 10_000
 
@@ -52,19 +43,46 @@ def ramp(
     settings: Settings = Settings(),  # noqa: B008  (frozen)
     progress: bool | None = None,
 ) -> list[Packing]:
-    """Packings at each of ``deltas`` (Δ = p, from 1e-6 to 0.2), each made from the one before.
+    """Packings at each of ``deltas``, each made from the one before.
 
-    The first is made from ``packing``, itself at a Δ in that range, with its friction, in its unit
-    of length.  ``stiffness_ratio``: k_t/κ, where the packing does not record it.  Stages far apart
-    are swept, not jumped; ask for those in between to keep them.  ``info["ramp"]`` says from which
-    Δ a packing came; steps and inertial times are those of the rest after the sweep.
+    Parameters
+    ----------
+    packing : Packing
+        Periodic, without external loads, of linear springs with κ = 1, at a Δ from 1e-6 to 0.2.
+    deltas : iterable of float
+        Δ = p, from 1e-6 to 0.2.  Stages far apart are swept, not jumped; ask for those in between
+        to keep them.
+    stiffness_ratio : float, optional
+        k_t/κ, where the packing does not record it.
+    settings : Settings
+        Of every stage.
+    progress : bool, optional
+        None shows bars on a terminal only, False never.
+
+    Returns
+    -------
+    list of Packing
+        ``provenance.ramp`` says from which Δ a packing came; its steps and inertial times are
+        those of the rest after the sweep.
 
     Raises
     ------
-    ValueError : a Δ out of range, an open packing, one with external loads, in a cell that is no
-        rectangle, or with κ other than 1; one with friction whose k_t/κ is neither recorded nor
-        given; a cell too narrow for its grains; float32 with Δ < 1e-4.
-    NotRelaxed : a stage did not come to rest; its note says which.
+    ValueError
+        A Δ out of range; another packing than these, or in a cell that is no rectangle, or too
+        narrow for its grains; k_t/κ neither recorded nor given; float32 with Δ < 1e-4.
+    NotRelaxed
+        A stage did not come to rest; its note says which.
+
+    Notes
+    -----
+    Each stage sweeps p at d ln p/dt = ± 0.1 √(p/ρ)/⟨σ⟩, then comes to rest as in ``relax``.
+
+    Examples
+    --------
+    >>> from dem import Scene, ramp, relax
+    >>> packing = relax(Scene(grains=20, delta=1e-2), seed=1, progress=False)
+    >>> [f"{p.delta:g}" for p in ramp(packing, [2e-2, 1e-2], progress=False)]
+    ['0.02', '0.01']
     """
     instance("packing", packing, Packing)
     instance("settings", settings, Settings)
@@ -76,15 +94,22 @@ def ramp(
     size = mean_diameter(packing)
     if size != 1:
         packing = rescaled(_rounded(packing), 1 / size)
+    stages = _stages(packing, path, ratio, settings, progress)
+    return [rescaled(p, size) for p in stages]
+
+
+def _stages(
+    packing: Packing, path: list[float], ratio: float, settings: Settings, progress: bool | None
+) -> list[Packing]:
     made: list[Packing] = []
     for k, delta in enumerate(path):
         before = made[-1] if made else packing
         try:
-            made.append(_stage(before, delta, ratio, settings, progress))
+            made.append(stage(before, delta, ratio, settings, progress))
         except NotRelaxed as failure:
             failure.add_note(f"in stage {k} of the ramp, from Δ = {before.delta:g} to {delta:g}")
             raise
-    return [rescaled(p, size) for p in made]
+    return made
 
 
 def _path(deltas: Any, settings: Settings) -> list[float]:
@@ -118,37 +143,3 @@ def _check(packing: Packing) -> None:
 def _rounded(packing: Packing) -> Packing:
     """Without low parts: grains move in doubles."""
     return replace(packing, positions_low=None, radii_low=None, cell_low=None)
-
-
-def _stage(
-    packing: Packing, delta: float, ratio: float, settings: Settings, progress: bool | None
-) -> Packing:
-    scene = Scene(
-        len(packing.radii), delta, friction=packing.friction, stiffness_ratio=ratio
-    )  # what acts from here on; what the grains were drawn from stays on record
-    state = state_of(packing, scene)
-    _sweep(state, packing.delta, scene, settings, progress)
-    new = come_to_rest(state, scene, packing.provenance.seed, settings, progress)
-    return new.noted(**origin(packing, delta, ratio), ramp={"from": packing.delta})
-
-
-def state_of(packing: Packing, scene: Scene) -> State:
-    """Grains at rest, with the springs that the tangential forces stretch."""
-    elongations = packing.tangential_forces / scene.stiffness_ratio
-    history = History(packing.pairs, packing.images, elongations)
-    return State(packing.positions, packing.radii, cell=packing.cell, history=history)
-
-
-def _sweep(
-    state: State, p: float, scene: Scene, settings: Settings, progress: bool | None
-) -> None:
-    plan = Plan.of(scene, settings, state.radii)
-    simulation = plan.simulation(state, settings)
-    target, where = scene.pressure, f"Δ = {scene.delta:g}: "
-    with PressureBar(f"Δ={p:.0e} → {target:.0e}", p, target, progress) as bar:
-        while p != target:
-            change = exp(RATE * STRIDE * plan.dt * sqrt(p))
-            p = min(p * change, target) if p < target else max(p / change, target)
-            simulation.drive = Drive(settings.drag * sqrt(p), p)
-            advance(simulation, STRIDE, where)
-            bar.show(p)

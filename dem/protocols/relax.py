@@ -10,12 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from dem.balance.newton import PolishFailed
-from dem.model.history import History
-from dem.motion.state import State
 from dem.protocols.loose_gas import draw_radii, loose_state
 from dem.protocols.not_relaxed import NotRelaxed
 from dem.protocols.plan import Plan, check_noise
 from dem.protocols.relaxation import come_to_rest, named
+from dem.protocols.stage import state_of
 from dem.protocols.stiffen import stiffen
 from dem.scene import Scene
 from dem.settings import Settings
@@ -74,6 +73,7 @@ def relax(
 
     Examples
     --------
+    >>> from dem import Scene, relax
     >>> packing = relax(Scene(grains=20, delta=1e-2), seed=1, progress=False)
     >>> f"{packing.delta:g}", bool(packing.residuals().max() < 1e-9)
     ('0.01', True)
@@ -108,10 +108,8 @@ def _continued(scene: Scene, seed: int, settings: Settings, progress: bool | Non
             return stiffen(packing, scene.delta, progress=progress)
         except PolishFailed as failure:
             why, reached = failure, packing
-    springs = reached.tangential_forces / scene.stiffness_ratio
-    history = History(reached.pairs, reached.images, springs)
-    state = State(reached.positions, reached.radii, cell=reached.cell, history=history)
     speed, residual = reached.provenance.speed, reached.provenance.residual
     assert speed is not None
     assert residual is not None
-    raise NotRelaxed(f"{named(scene, seed)}{why}", state, speed, residual) from why
+    state, message = state_of(reached, scene), f"{named(scene, seed)}{why}"
+    raise NotRelaxed(message, state, speed, residual) from why

@@ -10,22 +10,20 @@ from __future__ import annotations
 import numpy as np
 
 from dem.balance.contact_forces import ContactForces
-from dem.balance.missed_contacts import NotRight
+from dem.balance.missed_contacts import NotThisPacking
 from dem.balance.newton import PolishFailed
 from dem.model.drive import Drive
 from dem.model.neighbour_list import Neighbours
-from dem.motion.backends import resolve_backend
 from dem.motion.simulation import Simulation
 from dem.motion.state import State
 from dem.protocols.not_relaxed import NotRelaxed
 from dem.protocols.plan import Plan
 from dem.protocols.progress import RelaxationBar
+from dem.protocols.record_at_rest import record_at_rest
 from dem.protocols.settling import settle
 from dem.scene import Scene
 from dem.settings import Settings
-from packing.provenance import Provenance
 from packing.record import Packing
-from packing.version import __version__
 
 #: Steps between two looks at the speed.
 STRIDE = 200
@@ -107,7 +105,7 @@ class _Relaxation:
         state = self.simulation.state
         try:
             found = settle(self.simulation, self.scene, self.settings)
-        except NotRight as wrong:
+        except NotThisPacking as wrong:
             raise NotRelaxed(self.where + str(wrong), state, self.speed, np.nan) from wrong
         if not self.settings.polish and (residual := self._residual()) > RESTED:
             raise NotRelaxed(
@@ -153,31 +151,8 @@ class _Relaxation:
 
     def packing(self, near: Neighbours, forces: ContactForces) -> Packing:
         """The record of the packing at rest."""
-        scene, settings, state = self.scene, self.settings, self.simulation.state
-        bearing = forces.bearing
-        packing = Packing(
-            positions=state.positions,
-            radii=state.radii,
-            cell=state.cell,
-            pairs=near.pairs[bearing],
-            images=near.images[bearing],
-            normal_forces=forces.normal[bearing],
-            tangential_forces=forces.tangential[bearing],
-            external=np.zeros((scene.grains, 3)),
-            stiffness=scene.pressure / scene.delta,
-            pressure=scene.pressure,
-            friction=scene.friction,
-            stiffness_ratio=scene.stiffness_ratio if scene.is_linear else None,
-            provenance=Provenance(
-                scene=scene.plain(),
-                seed=self.seed,
-                settings=settings.plain(),
-                backend=resolve_backend(settings.backend),
-                versions={"numpy": np.__version__, "packing-forces": __version__},
-                steps=self.steps,
-                inertial_times=self.steps * self.plan.dt / self.plan.inertial,
-                speed=self.speed,
-                newton=forces.iterations,
-            ),
+        made = record_at_rest(
+            self.scene, self.seed, self.settings, self.simulation.state, near, forces
         )
-        return packing.noted(residual=float(packing.residuals().max()))
+        times = self.steps * self.plan.dt / self.plan.inertial
+        return made.noted(steps=self.steps, inertial_times=times, speed=self.speed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dem.balance.contact_forces import ContactForces, forces_as_integrated
-from dem.balance.missed_contacts import NotRight, refuse_missed_contacts
+from dem.balance.missed_contacts import NotThisPacking, refuse_missed_contacts
 from dem.balance.newton import PolishFailed, polish
 from dem.balance.rattlers import NoRoom, free_rattlers
 from dem.model.neighbour_list import Neighbours
@@ -17,10 +17,10 @@ def settle(
 ) -> tuple[Neighbours, ContactForces]:
     """Forces on the listed contacts: polished, or as the integration left them.
 
-    PolishFailed: grains have to move on.  NotRight: they are no packing of the scene.
+    PolishFailed: grains have to move on.  NotThisPacking: they are no packing of the scene.
     """
     state, near, law = simulation.state, simulation.near, simulation.law
-    failed: type[ArithmeticError] = PolishFailed if settings.polish else NotRight
+    failed: type[ArithmeticError] = PolishFailed if settings.polish else NotThisPacking
     if settings.polish:
         forces = polish(state, near, law, scene.pressure, settings.residual_tolerance)
         if forces.residual > settings.residual_tolerance:

@@ -26,15 +26,16 @@ def is_law(thing: object) -> TypeGuard[ContactLaw]:
     Returns
     -------
     bool
-        Whether it has the five methods of a `ContactLaw`.
+        Whether it has the five methods of a `ContactLaw`. A class is no law, its objects are.
 
     Examples
     --------
     >>> from packing.contact_law import Linear, is_law
-    >>> is_law(Linear(100.0)), is_law(100.0)
-    (True, False)
+    >>> is_law(Linear(100.0)), is_law(100.0), is_law(Linear)
+    (True, False, False)
     """
-    return all(callable(getattr(thing, name, None)) for name in _METHODS)
+    methods = (getattr(thing, name, None) for name in _METHODS)
+    return not isinstance(thing, type) and all(map(callable, methods))
 
 
 def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from packing.arguments.arrays import Floats, real_array, truth_array, whole_array
 from packing.arguments.coordinate_rounding import EVIDENCE, significant_digits
 from packing.arguments.numbers import flag, shown
+from packing.rattlers import backbone, fewest_contacts
 from scaling.geometry.coarse_coordinates import force_rounding
 from scaling.geometry.network_data import NetworkData
 
@@ -46,16 +47,10 @@ class Cut:
 
 def bearing(network: NetworkData, frictional: bool = True) -> NDArray[np.bool_]:
     """(c,) contacts left when rattlers are taken out: see `ContactNetwork.without_rattlers`."""
-    need = 2 if flag("frictional", frictional) else 3
-    loaded = network.external.any(axis=1)
-    keep = np.ones(network.contacts, dtype=bool)
-    while True:
-        degree = np.bincount(network.pairs[keep].ravel(), minlength=network.grains)
-        rattler = (degree < need) & ~loaded
-        lost = keep & rattler[network.pairs].any(axis=1)
-        if not lost.any():
-            return keep
-        keep &= ~lost
+    need = fewest_contacts(flag("frictional", frictional))
+    every = np.ones(network.contacts, dtype=bool)
+    loaded = np.asarray(network.external.any(axis=1))
+    return backbone(network.pairs, every, network.grains, need, held=loaded)
 
 
 def cut_out(

@@ -79,7 +79,7 @@ def test_the_bar_of_an_error_map(monkeypatch):
 def test_a_single_call_shows_that_time_goes_on(monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr(progress, "DELAY", 0.0)
-    monkeypatch.setattr(progress, "_BEAT", 0.001)
+    monkeypatch.setattr(progress, "BEAT", 0.001)
     monkeypatch.setattr(sys, "stderr", terminal)
     with progress.running("waiting"):
         while terminal.getvalue().count("waiting") < 5:

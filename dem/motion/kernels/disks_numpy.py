@@ -73,7 +73,10 @@ def _pair_forces(
     cap = law.friction * normal
     k_t = law.tangential_stiffness(overlap)
     np.minimum(np.maximum(k_t * u, -cap), cap, out=tangential)
-    u[:] = law.elongation(tangential, overlap)
+    if isinstance(k_t, float):
+        np.divide(tangential, k_t, out=u)
+    else:
+        u[:] = law.elongation(tangential, overlap)
     force.real = -normal
     force.imag = tangential
     force *= n

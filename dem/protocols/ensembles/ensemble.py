@@ -42,15 +42,14 @@ def relax_ensemble(
     seeds : iterable of int
         As many; one of the two may be endless.
     executor : concurrent.futures.Executor, optional
-        Processes, ``mpi4py.futures``, ``dask.distributed.Client.get_executor()``; None works in
-        this process.  Workers that were started by this process end when it is killed.
+        Processes, MPI, ``dask.distributed.Client.get_executor()``; workers that were started by
+        this process end when it is killed.  None: in this process.
     store : path, optional
-        A folder of npz files, each under its ``packing_key``; what is there is loaded, the rest
-        computed and saved as it is finished, so that an interrupted run loses only what was in
-        flight.  A stored file that is damaged is named in a warning and computed again; parts
-        of files that killed runs left are removed.
+        A folder of npz files, each under its ``packing_key``: what is there is loaded, the rest
+        saved as it is finished, so that an interrupted run loses only what was in flight.  A
+        damaged file is named in a warning and made again; what killed runs left is removed.
     settings : Settings
-        For all of them.
+        Of all packings.
     progress : bool, optional
         None shows a bar on a terminal only, False never.
 
@@ -62,11 +61,10 @@ def relax_ensemble(
     Raises
     ------
     ValueError
-        Scenes and seeds that differ in number or are none, a store that is a file; and whatever
-        ``relax`` refuses.
+        Scenes and seeds that differ in number, a store that is a file; what ``relax`` refuses.
     Exception
-        The first error of ``relax`` or of the executor, after all that was finished is stored.
-        Its notes name scene and seed; those that the workers held when one of them died.
+        The first of ``relax`` or of the executor, after all that was finished is stored; its
+        notes name scene and seed, or those that the workers held when one of them died.
 
     Examples
     --------

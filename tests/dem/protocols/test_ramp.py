@@ -15,7 +15,7 @@ from tests.conftest import packing
 from tests.dem.protocols.test_relax import balance
 
 EPS = np.finfo(float).eps
-RAMP = sys.modules["dem.protocols.ramp"]
+STAGE = sys.modules["dem.protocols.stage"]
 QUICK = Settings()
 
 
@@ -86,8 +86,8 @@ def test_history_is_kept(monkeypatch):
     (same,) = ramp(p, [1e-3], settings=QUICK, progress=False)
     assert contacts(same) == contacts(p)
     assert np.abs(same.forces - p.forces).max() <= 1e-8 * p.pressure
-    kept = RAMP.state_of
-    monkeypatch.setattr(RAMP, "state_of", lambda *a: replace(kept(*a), history=History()))
+    kept = STAGE.state_of
+    monkeypatch.setattr(STAGE, "state_of", lambda *a: replace(kept(*a), history=History()))
     (forgetful,) = ramp(p, [1e-3], settings=QUICK, progress=False)
     assert np.abs(forgetful.positions - p.positions).max() > 1e-2 * p.delta
 

@@ -9,7 +9,7 @@ import pytest
 
 import dem.settings
 from dem import NotRelaxed, Scene, Settings, State, relax
-from dem.balance.missed_contacts import NotRight, refuse_missed_contacts
+from dem.balance.missed_contacts import NotThisPacking, refuse_missed_contacts
 from dem.motion.neighbours import find_neighbours
 from tests.dem.protocols.test_relax import balance
 
@@ -126,5 +126,5 @@ def test_a_small_grain_inside_a_large_one_is_found():
         if not inside:
             refuse_missed_contacts(state, near)
             continue
-        with pytest.raises(NotRight, match="grain 0 holds the centre of grain 1"):
+        with pytest.raises(NotThisPacking, match="grain 0 holds the centre of grain 1"):
             refuse_missed_contacts(state, near)
