@@ -28,8 +28,17 @@ _ROUNDING = 64 * np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Cut:
-    """The contacts (c,) to ``keep``, the loads ``external`` (N, 3) that stand for those cut, and
-    their relative rounding."""
+    """What is kept of a network, and what stands for the rest.
+
+    Attributes
+    ----------
+    keep : (c,) array of bool
+        The contacts that stay.
+    external : (N, 3) array
+        Loads, with those that stand for the contacts cut.
+    load_rounding : float
+        Relative rounding of these loads.
+    """
 
     keep: NDArray[np.bool_]
     external: Floats
