@@ -31,14 +31,27 @@ Rows = TypeVar("Rows", Floats, csr_array)
 class ForceEquation:
     """G|f⟩ = rhs for one network. Made by `force_equation`.
 
-    Attributes
+    Parameters
     ----------
-    network : the contacts, sizes and loads
-    matrices : what depends on contacts, directions and ratios of stiffness alone; factorised at
-        most once and shared with every network that differs in sizes or loads only
-    frictional, winding : whether there are tangential forces, and rows for the windings
-    law : the contact law, if one was told: see `with_law`
-    told_overlaps : (c,) overlaps that stand for those of the network: see `with_overlaps`
+    network : ContactNetwork
+        The contacts, sizes and loads
+    matrices : Matrices
+        What depends on contacts, directions and ratios of stiffness alone; factorised at most
+        once and shared with every network that differs in sizes or loads only
+    frictional, winding : bool
+        Whether there are tangential forces, and rows for the windings
+    law : ContactLaw
+        The contact law, if one was told: see `with_law`
+    told_overlaps : numpy.ndarray
+        (c,) overlaps that stand for those of the network: see `with_overlaps`
+
+    Examples
+    --------
+    >>> from scaling import ContactNetwork, force_equation
+    >>> pair = ContactNetwork([[0, 0], [0.9, 0]], [0.5, 0.5], [(0, 1)])
+    >>> equation = force_equation(pair).with_law(10.0)
+    >>> equation.unknowns, equation.stiffness, f"{equation.overlaps[0]:.1f}"
+    (2, 10.0, '0.1')
     """
 
     network: ContactNetwork
@@ -53,12 +66,14 @@ class ForceEquation:
 
         Parameters
         ----------
-        stiffness : κ > 0, force per length, an array (c,) of them, or a law (see
+        stiffness : float, array_like or ContactLaw
+            Κ > 0, force per length, an array (c,) of them, or a law (see
             `packing.contact_law`)
 
         Raises
         ------
-        ValueError : no positive number, named by its contact in an array; or an array of another
+        ValueError
+            No positive number, named by its contact in an array; or an array of another
             length.
         """
         law, compliance = law_of(stiffness), None
@@ -183,17 +198,22 @@ def force_equation(
 
     Parameters
     ----------
-    network : contacts, directions, sizes and loads
-    frictional : with tangential forces and torques (2c unknowns) or without (c unknowns)
-    winding : append the two windings of the periodic cell to the loops
+    network : ContactNetwork
+        Contacts, directions, sizes and loads
+    frictional : bool
+        With tangential forces and torques (2c unknowns) or without (c unknowns)
+    winding : bool
+        Append the two windings of the periodic cell to the loops
 
     Returns
     -------
-    The equation; `with_law` tells it the stiffness.
+    ForceEquation
+        The equation; `with_law` tells it the stiffness.
 
     Raises
     ------
-    ValueError : no contacts; a load on a grain that has none, or a torque where nothing carries
+    ValueError
+        No contacts; a load on a grain that has none, or a torque where nothing carries
         it; windings of a network that does not wind. Once closure is asked for: faces that are
         not discs.
 

@@ -7,8 +7,9 @@ Each step is Eq. 1 with the compliance 1/slope of every contact as it is,
     [ M ; κ̄ (Q diag(1/slope), 0) ] d = -( M f + F_ext ; κ̄ (Q|δ(f_n)⟩ - (Q|σ⟩ - Λ)) )
 
 from a flat start, halved while it does not bring the residual down. κ̄ is the mean slope at the
-start: it weighs closure against balance where data are noisy, and drops out where they are exact.
-Forces are given out if the step that the residual still asks for is rounding beside them.
+forces, as for stiffnesses per contact: it weighs closure against balance where data are noisy, and
+drops out where they are exact. Forces are given out if the step that the residual still asks for
+is rounding beside them.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ from scaling.equation.force_equation import ForceEquation
 STEPS = 100
 CONVERGED = 1e-10
 """Step that is left, relative to the forces."""
+_SMALL = 1e-8
+_UNSEEN = 1e-6
 _HALVINGS = 30
 _SOFTEST = 1e-8
 """Of the mean slope: a contact that is softer, as f_n → 0 of Hertz, is stepped as if it had it."""
@@ -38,31 +41,32 @@ def solve_nonlinear(
     ValueError: a tangent equation without a unique solution; RuntimeError: no convergence, with
     the step that is left.
     """
-    c = equation.network.contacts
-    sums = equation.overlap_sums()
-    start = _start(equation, law, sums)
-    f = np.zeros(equation.unknowns)
-    f[:c] = law.force(start)
-    κ = float(np.mean(law.slope(start)))
-    b = np.concatenate([equation.balance_rhs(), κ * sums])
+    c, sums = equation.network.contacts, equation.overlap_sums()
+    b, f = equation.balance_rhs(), np.zeros(equation.unknowns)
+    f[:c] = law.force(_start(equation, law, sums))
 
-    def residual(f: Floats) -> Floats:
-        return np.concatenate([equation.M @ f, κ * (equation.Q @ law.overlap(f[:c]))]) - b
+    def residual(f: Floats, κ: float) -> Floats:
+        closing = κ * (equation.Q @ law.overlap(f[:c]) - sums)
+        return np.concatenate([equation.M @ f - b, closing])
 
-    left, size = residual(f), np.inf
+    previous = size = np.inf
     for _ in range(STEPS):
-        step = _tangent(equation, law, f[:c], κ).solved(-left, solver, tol)
+        slopes = law.slope(law.overlap(f[:c]))
+        κ = float(np.mean(slopes))
+        left = residual(f, κ)
+        step = _tangent(equation, slopes, κ).solved(-left, solver, tol)
         size = float(np.linalg.norm(step.values)) / (float(np.linalg.norm(f)) or 1.0)
-        if size <= CONVERGED:
+        # Done when the step is rounding, or no longer shrinks because it is.
+        if size <= CONVERGED or (size <= _SMALL and size > 0.5 * previous):
             f = f + step.values
-            return Solved(f, size + step.error, step.solver), residual(f)
-        share = 1.0
-        for _ in range(_HALVINGS):
-            tried = residual(f + share * step.values)
-            if np.linalg.norm(tried) < np.linalg.norm(left):
+            return Solved(f, size + step.error, step.solver), residual(f, κ)
+        previous, share = size, 1.0
+        # Of small steps, whose square is rounding, the residual says nothing.
+        for _ in range(_HALVINGS if size > _UNSEEN else 0):
+            if np.linalg.norm(residual(f + share * step.values, κ)) < np.linalg.norm(left):
                 break
             share /= 2
-        f, left = f + share * step.values, tried
+        f = f + share * step.values
     raise RuntimeError(
         f"the GPPSZ equation with the law {type(law).__name__}: after {STEPS} steps of Newton's "
         f"method forces still change by {size:.1e} of themselves"
@@ -79,10 +83,9 @@ def _start(equation: ForceEquation, law: ContactLaw, sums: Floats) -> Floats:
     return np.maximum(of_loops, law.overlap(load))
 
 
-def _tangent(equation: ForceEquation, law: ContactLaw, fn: Floats, κ: float) -> LeastSquares:
-    """Eq. 1 with the slopes of the law at f_n."""
-    slope = np.maximum(law.slope(law.overlap(fn)), _SOFTEST * κ)
-    rows = equation.Q @ diags_array(κ / slope)
+def _tangent(equation: ForceEquation, slopes: Floats, κ: float) -> LeastSquares:
+    """Eq. 1 with these slopes of the law."""
+    rows = equation.Q @ diags_array(κ / np.maximum(slopes, _SOFTEST * κ))
     missing = csr_array((rows.shape[0], equation.unknowns - rows.shape[1]))
     G = vstack([equation.M, hstack([rows, missing])])
     return LeastSquares(csr_array(G), "the GPPSZ equation at the slopes of the contact law")

@@ -32,12 +32,15 @@ class Direct(LinearEstimator):
 
     Parameters
     ----------
-    friction : μ >= 0, with which the forces found are compared
-    solver, tol : of the equilibrium, see `Gppsz`; without friction nothing is solved
+    friction : float
+        μ >= 0, with which the forces found are compared
+    solver, tol : str
+        Of the equilibrium, see `Gppsz`; without friction nothing is solved
 
     Raises
     ------
-    ValueError : naming the argument and its value.
+    ValueError
+        Naming the argument and its value.
 
     Notes
     -----

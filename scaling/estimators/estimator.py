@@ -44,17 +44,21 @@ class Estimator(ABC):
 
         Parameters
         ----------
-        equation : Eq. 1 of a network
+        equation : ForceEquation
+            Eq. 1 of a network
 
         Returns
         -------
-        The forces, with what is left of the equations.
+        Reconstruction
+            The forces, with what is left of the equations.
 
         Raises
         ------
-        ValueError : an option that this equation cannot take, no unique solution, with the rank,
+        ValueError
+            An option that this equation cannot take, no unique solution, with the rank,
             loads that cannot be balanced, or overlaps that are none
-        RuntimeError : an iteration or the convex solver broke down
+        RuntimeError
+            An iteration or the convex solver broke down
         """
         if self.uses_overlaps(equation):
             refuse_deep_overlaps(equation.network)
@@ -106,9 +110,12 @@ class LinearEstimator(Estimator):
 
         Parameters
         ----------
-        equation : at the noise-free network
-        noise : which data are noisy
-        lengths : (2c,) or (c,) φ = f/κ of the forces at which directions turn in M; by default
+        equation : ForceEquation
+            At the noise-free network
+        noise : str
+            Which data are noisy
+        lengths : numpy.ndarray
+            (2c,) or (c,) φ = f/κ of the forces at which directions turn in M; by default
             directions count as exact there
         """
         return Response(self, equation, noise, lengths)

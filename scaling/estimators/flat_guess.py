@@ -15,16 +15,20 @@ def flat_guess(network: ContactNetwork, pressure: float | None = None) -> Floats
 
     Parameters
     ----------
-    network : contacts, with their distances (or sizes, where only directions are known)
-    pressure : p > 0, force per length, of a periodic cell; an open network has its loads
+    network : ContactNetwork
+        Contacts, with their distances (or sizes, where only directions are known)
+    pressure : float
+        p > 0, force per length, of a periodic cell; an open network has its loads
 
     Returns
     -------
-    (2c,) f_n = Σ f_n r/Σ r, then f_t = 0.
+    numpy.ndarray
+        (2c,) f_n = Σ f_n r/Σ r, then f_t = 0.
 
     Raises
     ------
-    ValueError : nothing fixes Σ f_n r, see `scaling.equation.virial`.
+    ValueError
+        Nothing fixes Σ f_n r, see `scaling.equation.virial`.
 
     Notes
     -----

@@ -29,12 +29,15 @@ class Gppsz(LinearEstimator):
 
     Parameters
     ----------
-    solver : "auto", "dense", "factor" or "lsmr", see `scaling.algebra.least_squares`
-    tol : relative tolerance of "lsmr", between 0 and 1
+    solver : str
+        "auto", "dense", "factor" or "lsmr", see `scaling.algebra.least_squares`
+    tol : float
+        Relative tolerance of "lsmr", between 0 and 1
 
     Raises
     ------
-    ValueError : naming the argument and its value.
+    ValueError
+        Naming the argument and its value.
 
     Notes
     -----

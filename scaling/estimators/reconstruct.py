@@ -38,32 +38,42 @@ def reconstruct(
 
     Parameters
     ----------
-    network : contacts, directions, sizes, loads, and distances where a method uses them
-    stiffness : κ > 0, force per length, f_n = κ (σ - r); or (c,) of them, one for each contact;
+    network : ContactNetwork
+        Contacts, directions, sizes, loads, and distances where a method uses them
+    stiffness : float, array_like or ContactLaw
+        κ > 0, force per length, f_n = κ (σ - r); or (c,) of them, one for each contact;
         or a contact law (see `packing.contact_law`), which need not be linear for "gppsz",
         "direct" and "transverse". "transverse" accepts None; no law has a bearing on its forces
-    method : "gppsz", "direct", "transverse", "balanced", "optimal" or "bounded"
-    frictional : False: no tangential forces, no torques
-    **options : those of the estimator, see `scaling.estimators`: Gppsz (solver, tol),
+    method : str
+        "gppsz", "direct", "transverse", "balanced", "optimal" or "bounded"
+    frictional : bool
+        False: no tangential forces, no torques
+    **options : object
+        Those of the estimator, see `scaling.estimators`: Gppsz (solver, tol),
         Direct (friction, solver, tol), Transverse (normal_forces, friction, solver, tol),
         Balanced (none), Optimal (xi, noise, covariance, data), Bounded (friction, pressure, xi,
         noise, covariance, data, prior, gaps, progress)
 
     Returns
     -------
-    Forces, residual and diagnostics; see `Reconstruction`.
+    Reconstruction
+        Forces, residual and diagnostics; see `Reconstruction`.
 
     Raises
     ------
-    ValueError : bad input, an option that the method does not have, an equation without a unique
+    ValueError
+        Bad input, an option that the method does not have, an equation without a unique
         solution, with its rank, loads that cannot be balanced, overlaps that are none, or
         conditions of "bounded" that contradict each other
-    RuntimeError : an iteration or the convex solver broke down
+    RuntimeError
+        An iteration or the convex solver broke down
 
     Warns
     -----
-    ImplausibleNoiseWarning : the noise found is improbable for the strength told
-    BeyondFrictionWarning : forces exceed the friction told
+    ImplausibleNoiseWarning
+        The noise found is improbable for the strength told
+    BeyondFrictionWarning
+        Forces exceed the friction told
 
     Examples
     --------

@@ -20,9 +20,12 @@ class Diagnostics:
 
     Attributes
     ----------
-    rows, unknowns : of the equation that `residual` refers to
-    hyperstaticity : unknowns minus independent balances, see `ForceEquation.hyperstaticity`
-    negative : the number of contacts with f_n < 0
+    rows, unknowns : int
+        Of the equation that `residual` refers to
+    hyperstaticity : int
+        Unknowns minus independent balances, see `ForceEquation.hyperstaticity`
+    negative : int
+        The number of contacts with f_n < 0
     """
 
     rows: int
@@ -41,26 +44,44 @@ class Diagnostics:
 class Reconstruction(Immutable):
     """Forces found for a network.
 
-    Attributes
+    Parameters
     ----------
-    normal, tangential : (c,) f_n and f_t (zeros if frictionless), in units of stiffness × length
-    forces : (2c,) f_n then f_t; (c,) f_n alone if frictionless
-    residual : root mean square over rows, a force; 0 for exact data. `gppsz`: of Eq. 1; `direct`,
+    normal, tangential : numpy.ndarray
+        (c,) f_n and f_t (zeros if frictionless), in units of stiffness × length
+    forces : numpy.ndarray
+        (2c,) f_n then f_t; (c,) f_n alone if frictionless
+    residual : float
+        Root mean square over rows, a force; 0 for exact data. `gppsz`: of Eq. 1; `direct`,
         `transverse`: of equilibrium; `balanced`: of the loops; `optimal`, `bounded`: of
         equilibrium in the directions as measured. These two balance the grains in the directions
         that they find, so with noisy positions it does not vanish; else it is rounding
-    method, solver : as used; solver "none" if no equation was solved
-    diagnostics : a record of the estimator's own: `Diagnostics`, or more, see each estimator
-    imbalance : largest row of |M f + F_ext|, force or torque over radius, over the mean of |f_n|:
-        by how much a grain fails to balance. Rounding for exact data; of order ξ/Δ with noise ξ
-        for `gppsz` and `direct`, which do not insist on balance
-    misfit : `optimal`, `bounded`: χ² per degree of freedom of the noise that had to be assumed,
-        see `scaling.estimators.misfit`; None for other methods, for ξ = ∞ and where no condition
-        is left over
-    error_estimate : relative error of the forces that the solution of the equations leaves,
-        a posteriori, apart from any error of the data; what σ - r loses if no equation was solved
-    response : of estimators that were told the noise of the data and are linear in them: what
-        that noise does to these forces; None for others
+    method, solver : str
+        As used; solver "none" if no equation was solved
+    diagnostics : Diagnostics
+        A record of the estimator's own: `Diagnostics`, or more, see each estimator
+    imbalance : float
+        Largest row of |M f + F_ext|, force or torque over radius, over the mean of |f_n|: by how
+        much a grain fails to balance. Rounding for exact data; of order ξ/Δ with noise ξ for
+        `gppsz` and `direct`, which do not insist on balance
+    misfit : float
+        `optimal`, `bounded`: χ² per degree of freedom of the noise that had to be assumed, see
+        `scaling.estimators.misfit`; None for other methods, for ξ = ∞ and where no condition is
+        left over
+    error_estimate : float
+        Relative error of the forces that the solution of the equations leaves, a posteriori,
+        apart from any error of the data; what σ - r loses if no equation was solved
+    response : Response
+        Of estimators that were told the noise of the data and are linear in them: what that noise
+        does to these forces; None for others
+
+    Examples
+    --------
+    >>> from scaling import ContactNetwork, reconstruct
+    >>> loads = [[1.0, 0, 0], [-1.0, 0, 0]]
+    >>> pair = ContactNetwork([[0, 0], [0.9, 0]], [0.5, 0.5], [(0, 1)], external=loads)
+    >>> found = reconstruct(pair, 10.0)
+    >>> found.method, found.diagnostics.unknowns, f"{found.imbalance:.3f}"
+    ('gppsz', 2, '0.000')
     """
 
     normal: Floats

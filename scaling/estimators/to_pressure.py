@@ -16,23 +16,36 @@ def to_pressure(network: ContactNetwork, forces: ArrayLike, pressure: float) -> 
 
     Parameters
     ----------
-    network : a periodic one without loads
-    forces : (2c,) f_n then f_t, or (c,) f_n alone
-    pressure : p > 0, force per length
+    network : ContactNetwork
+        A periodic one without loads
+    forces : array_like
+        (2c,) f_n then f_t, or (c,) f_n alone
+    pressure : float
+        p > 0, force per length
 
     Returns
     -------
-    Forces of the shape given.
+    numpy.ndarray
+        Forces of the shape given.
 
     Raises
     ------
-    ValueError : the network is open or has loads, the pressure is not positive, the forces are
+    ValueError
+        The network is open or has loads, the pressure is not positive, the forces are
         not finite, too many or too few, or do not push.
 
     Notes
     -----
     On a torus without loads all forces are proportional to the stiffness, so an unknown factor of
     κ is one factor of all forces.
+
+    Examples
+    --------
+    >>> from scaling import ContactNetwork, to_pressure
+    >>> own = ContactNetwork(
+    ...     [[0, 0]], [0.5], [(0, 0), (0, 0)], cell=[[1, 0], [0, 1]], images=[(1, 0), (0, 1)])
+    >>> to_pressure(own, [3.0, 3.0], 1.0).tolist()
+    [1.0, 1.0]
     """
     instance("network", network, ContactNetwork)
     pressure = positive_number("pressure", pressure)

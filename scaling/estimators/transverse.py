@@ -38,13 +38,17 @@ class Transverse(LinearEstimator):
 
     Parameters
     ----------
-    normal_forces : (c,), negative ones too; needed to solve, not for errors
-    friction : μ >= 0, with which the forces found are compared
-    solver, tol : see `Gppsz`
+    normal_forces : array_like
+        (c,), negative ones too; needed to solve, not for errors
+    friction : float
+        μ >= 0, with which the forces found are compared
+    solver, tol : str
+        See `Gppsz`
 
     Raises
     ------
-    ValueError : naming the argument and its value.
+    ValueError
+        Naming the argument and its value.
 
     Notes
     -----

@@ -35,9 +35,42 @@ def perturb(
 ) -> ContactNetwork:
     """`network` as measured with noise of strength `xi` (in units of its mean diameter).
 
+    Parameters
+    ----------
+    network : ContactNetwork
+        Without noise
+    xi : float
+        ξ >= 0, in mean diameters
+    rng : numpy.random.Generator
+        Of the noise
+    noise : str
+        "diameter", "radius", "relative" or "position"
+
+    Returns
+    -------
+    ContactNetwork
+        The same contacts and loops with other radii (torques T/R held) or positions.
+
+    Raises
+    ------
+    ValueError
+        Unknown noise, an xi that is no number >= 0, no generator, or a radius that would not be
+        positive, named.
+
+    Notes
+    -----
     The contacts stay the same ones, and so do the loops: noise moves grains, it does not re-wire.
-    ValueError: unknown noise, an xi that is no number >= 0, no generator, or a radius that would
-    not be positive, named.
+    The conventions are those of `scaling.noise.conventions`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scaling import ContactNetwork, perturb
+    >>> triangle = ContactNetwork(
+    ...     [[0, 0], [1, 0], [0.5, 0.75**0.5]], [0.5] * 3, [(0, 1), (1, 2), (0, 2)])
+    >>> noisy = perturb(triangle, 1e-3, np.random.default_rng(0))
+    >>> [f"{R:.4f}" for R in noisy.radii]
+    ['0.5001', '0.4999', '0.5003']
     """
     instance("network", network, ContactNetwork)
     check_noise(noise)

@@ -26,9 +26,35 @@ def rescaled(
 ) -> ContactNetwork:
     """`network` with all radii off by a factor 1 + `radii`, all positions by 1 + `positions`.
 
+    Parameters
+    ----------
+    network : ContactNetwork
+        As it is
+    radii, positions : float
+        Relative errors of the scale, above -1
+
+    Returns
+    -------
+    ContactNetwork
+        The same contacts on other scales.
+
+    Raises
+    ------
+    ValueError
+        An error that is no number above -1, or positions rescaled where there are none.
+
+    Notes
+    -----
     The cell and the torques over radii are measured on the same scales as positions and radii.
-    Low parts are dropped: a scale error is never that small. ValueError: an error that is no
-    number above -1, or positions rescaled where there are none.
+    Low parts are dropped: a scale error is never that small.
+
+    Examples
+    --------
+    >>> from scaling import ContactNetwork, rescaled
+    >>> triangle = ContactNetwork(
+    ...     [[0, 0], [1, 0], [0.5, 0.75**0.5]], [0.5] * 3, [(0, 1), (1, 2), (0, 2)])
+    >>> rescaled(triangle, radii=0.01).radii.tolist()
+    [0.505, 0.505, 0.505]
     """
     instance("network", network, ContactNetwork)
     more = {"radii": 1 + finite_number("radii", radii)}
@@ -54,9 +80,38 @@ def rounded(
 ) -> ContactNetwork:
     """`network` with radii and positions rounded to `digits` decimals of ⟨σ⟩; same contacts.
 
+    Parameters
+    ----------
+    network : ContactNetwork
+        As it is
+    digits : int
+        Decimals of lengths in mean diameters
+    radii, positions : bool
+        Which of them are rounded
+
+    Returns
+    -------
+    ContactNetwork
+        The same contacts with fewer digits.
+
+    Raises
+    ------
+    ValueError
+        Digits that are no whole number or beyond those of a double, or a radius that is rounded
+        to zero.
+
+    Notes
+    -----
     Directions that were measured stay, torques are data over radii and scale with these. Numbers
-    that are rounded have no low parts. ValueError: digits that are no whole number or beyond those
-    of a double, or a radius that is rounded to zero.
+    that are rounded have no low parts.
+
+    Examples
+    --------
+    >>> from scaling import ContactNetwork, rounded
+    >>> triangle = ContactNetwork(
+    ...     [[0, 0], [1, 0], [0.5, 0.75**0.5]], [0.5] * 3, [(0, 1), (1, 2), (0, 2)])
+    >>> [f"{x:.2f}" for x in rounded(triangle, 2).positions[2]]
+    ['0.50', '0.87']
     """
     instance("network", network, ContactNetwork)
     digits = whole_number("digits", digits)

@@ -42,21 +42,29 @@ def gain(
 
     Parameters
     ----------
-    network : without noise
-    method : "gppsz", "direct", "transverse" (uses no sizes: 0 for size noise), "balanced" or
+    network : ContactNetwork
+        Without noise
+    method : str
+        "gppsz", "direct", "transverse" (uses no sizes: 0 for size noise), "balanced" or
         "optimal"
-    noise : "diameter", "radius", "relative" or "position"
-    frictional : False: c normal forces, no torques
-    winding : with the windings among the loops (gppsz only)
-    forces, stiffness : see `error_map`
+    noise : str
+        "diameter", "radius", "relative" or "position"
+    frictional : bool
+        False: c normal forces, no torques
+    winding : bool
+        With the windings among the loops (gppsz only)
+    forces, stiffness : array_like
+        See `error_map`
 
     Returns
     -------
-    ‖E‖_F/√(2c), √c without friction. The whole of E is never held.
+    float
+        ‖E‖_F/√(2c), √c without friction. The whole of E is never held.
 
     Raises
     ------
-    ValueError : bad input, an argument not used, or an equation without a unique solution.
+    ValueError
+        Bad input, an argument not used, or an equation without a unique solution.
 
     Notes
     -----
@@ -94,19 +102,29 @@ def amplification(
 
     Parameters
     ----------
-    network, method, noise, frictional, winding : see `gain`
-    forces : the true ones, (2c,) or (c,)
-    pressure : p > 0, force per length, that goes with them
-    stiffness : for position noise, κ of these forces (default: fitted); (c,) of them, or a law,
+    network : ContactNetwork
+        Without noise
+    method, noise : str
+        See `gain`
+    forces : array_like
+        The true ones, (2c,) or (c,)
+    pressure : float
+        p > 0, force per length, that goes with them
+    frictional, winding : bool
+        See `gain`
+    stiffness : float, array_like or ContactLaw
+        For position noise, κ of these forces (default: fitted); (c,) of them, or a law,
         for any noise
 
     Returns
     -------
-    C, a number.
+    float
+        C, a number.
 
     Raises
     ------
-    ValueError : see `gain`; or forces that are all 0.
+    ValueError
+        See `gain`; or forces that are all 0.
 
     Notes
     -----
@@ -146,17 +164,21 @@ def amplification_of(packing: Any, method: str = "gppsz", noise: str = "diameter
 
     Parameters
     ----------
-    packing : anything with the fields of a network, `forces`, `pressure` and `stiffness`; it is
+    packing : object
+        Anything with the fields of a network, `forces`, `pressure` and `stiffness`; it is
         frictionless if it has c forces instead of 2c
-    method, noise : see `gain`
+    method, noise : str
+        See `gain`
 
     Returns
     -------
-    C, a number.
+    float
+        C, a number.
 
     Raises
     ------
-    ValueError : see `amplification`.
+    ValueError
+        See `amplification`.
 
     Notes
     -----

@@ -60,18 +60,47 @@ def collapse(
 
     Parameters
     ----------
-    packings : with the fields of a network, and `forces` (2c or c), `stiffness`,
-        `pressure`, `delta`
-    xis : strengths of the noise in units of each packing's Δ, positive
-    rng : every (packing, strength, draw) gets a child generator of its own, so more packings or
+    packings : iterable
+        With the fields of a network, and `forces` (2c or c), `stiffness`, `pressure`, `delta`
+    xis : array_like
+        Strengths of the noise in units of each packing's Δ, positive
+    rng : numpy.random.Generator
+        Every (packing, strength, draw) gets a child generator of its own, so more packings or
         draws leave the others as they are
-    method, noise : see `reconstruct` and `perturb`; `transverse` gets the true normal forces
-    xi_max : strengths ξ above it are left out, and so are draws that make a radius negative: up
-        to ξ = 0.05 and with radii within ±30 % a 7σ event, even for `radius` noise
+    draws : int
+        Of the noise, for every packing and strength
+    method, noise : str
+        See `reconstruct` and `perturb`; a method is told what it asks for: the noise, or the true
+        normal forces
+    xi_max : float
+        Strengths ξ above it are left out, and so are draws that make a radius negative: up to
+        ξ = 0.05 and with radii within ±30 % a 7σ event, even for `radius` noise
 
-    ValueError: bad input, naming argument and value.
+    Returns
+    -------
+    numpy.ndarray
+        A structured array with the columns of `scaling.uncertainty.collapse.TABLE`.
 
-    Returns a structured array with the columns of `scaling.uncertainty.collapse.TABLE`.
+    Raises
+    ------
+    ValueError
+        Bad input, naming argument and value.
+
+    Notes
+    -----
+    The table behind Fig. 1 of DeGiuli and McElwaine, PRL 116, 078001 (2016).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from types import SimpleNamespace
+    >>> from scaling import collapse
+    >>> pushed = SimpleNamespace(
+    ...     positions=[[0, 0], [0.99, 0]], radii=[0.5, 0.5], pairs=[(0, 1)], forces=[0.01],
+    ...     external=[[0.01, 0, 0], [-0.01, 0, 0]], stiffness=1.0, pressure=0.01, delta=0.01)
+    >>> table = collapse([pushed], [0.1], np.random.default_rng(0), draws=3, method="direct")
+    >>> table["draw"].tolist(), table["xi"].tolist()
+    ([0, 1, 2], [0.001, 0.001, 0.001])
     """
     ratios = _strengths(xis)
     if not (isinstance(method, str) and method in linear_names()):

@@ -44,20 +44,27 @@ def cramer_rao(
 
     Parameters
     ----------
-    network : without noise
-    noise, covariance : see `scaling.noise.noise_model`
-    data : "all", or "sizes" (with exact directions)
-    frictional : False: c normal forces, no torques
-    forces, stiffness : the true ones, for noisy positions; left out, the bound is that of
+    network : ContactNetwork
+        Without noise
+    noise, covariance : str
+        See `scaling.noise.noise_model`
+    data : str
+        "all", or "sizes" (with exact directions)
+    frictional : bool
+        False: c normal forces, no torques
+    forces, stiffness : array_like
+        The true ones, for noisy positions; left out, the bound is that of
         directions known exactly in M, higher or lower by O(Δ)
 
     Returns
     -------
-    E: standard deviations of forces are κ ξ times those of the map, ξ = `.xi` for a covariance.
+    ErrorMap
+        E: standard deviations of forces are κ ξ times those of the map, ξ = `.xi` of a covariance.
 
     Raises
     ------
-    ValueError : see `error_map`.
+    ValueError
+        See `error_map`.
 
     Notes
     -----

@@ -136,21 +136,30 @@ def credible_intervals(
 
     Parameters
     ----------
-    estimator : `scaling.estimators.Bounded` with what is known; its `progress` shows a bar
-    equation : `force_equation(network).with_law(stiffness)`
-    rng : of the draws
-    draws : samples, at least 2/(1 - level)
-    level : probability, between 0 and 1
-    method : "projected" or "exact", see `scaling.uncertainty.credible_intervals`
-    spread : factor of the widths of the prior
+    estimator : Bounded
+        `scaling.estimators.Bounded` with what is known; its `progress` shows a bar
+    equation : ForceEquation
+        `force_equation(network).with_law(stiffness)`
+    rng : numpy.random.Generator
+        Of the draws
+    draws : int
+        Samples, at least 2/(1 - level)
+    level : float
+        Probability, between 0 and 1
+    method : str
+        "projected" or "exact", see `scaling.uncertainty.credible_intervals`
+    spread : float
+        Factor of the widths of the prior
 
     Returns
     -------
-    Lower and upper end, (2c,) each, forces; (c,) if frictionless.
+    tuple of two numpy.ndarray
+        Lower and upper end, (2c,) each, forces; (c,) if frictionless.
 
     Raises
     ------
-    ValueError : level not in (0, 1), too few draws for it, or other bad input.
+    ValueError
+        Level not in (0, 1), too few draws for it, or other bad input.
 
     Notes
     -----

@@ -36,12 +36,25 @@ from scaling.estimators.response import Response
 class ErrorMap:
     """E of one estimator on one network. Made by `error_map`.
 
-    Attributes
+    Parameters
     ----------
-    respond : (k, m) noise η -> (2c, m) errors δf/(κ ξ), lengths; (c, m) if frictionless
-    sources, contacts, unknowns : k, c and 2c (c if frictionless)
-    xi : ξ of a covariance, a length: κ ξ E Eᵀ κ ξ is then the covariance of the forces. 1 for
-        noise of a convention, whose strength is the user's
+    respond : Response
+        (k, m) noise η -> (2c, m) errors δf/(κ ξ), lengths; (c, m) if frictionless
+
+    Notes
+    -----
+    `sources`, `contacts` and `unknowns` are k, c and 2c (c if frictionless). `xi` is ξ of a
+    covariance, a length: κ ξ E Eᵀ κ ξ is then the covariance of the forces; 1 for noise of a
+    convention, whose strength is the user's.
+
+    Examples
+    --------
+    >>> from scaling import ContactNetwork, error_map
+    >>> triangle = ContactNetwork(
+    ...     [[0, 0], [1, 0], [0.5, 0.75**0.5]], [0.5] * 3, [(0, 1), (1, 2), (0, 2)])
+    >>> E = error_map(triangle)
+    >>> E.matrix.shape, f"{E.gain:.3f}", f"{E.singular_values[0]:.3f}"
+    ((6, 3), '0.240', '0.416')
     """
 
     respond: Response

@@ -132,25 +132,34 @@ def error_map(
 
     Parameters
     ----------
-    network : without noise
-    method : "gppsz", "direct", "transverse", "balanced" or "optimal"
-    noise, covariance : see `scaling.noise.noise_model`. E is the response per ξ; a covariance has
+    network : ContactNetwork
+        Without noise
+    method : str
+        "gppsz", "direct", "transverse", "balanced" or "optimal"
+    noise, covariance : str
+        See `scaling.noise.noise_model`. E is the response per ξ; a covariance has
         a ξ of its own, `ErrorMap.xi`, so that errors of forces are κ `xi` times those of the map
-    frictional : False: c normal forces, no torques
-    forces : (2c,) or (c,), if positions are noisy: adds the turning of directions in M. Without
+    frictional : bool
+        False: c normal forces, no torques
+    forces : array_like
+        (2c,) or (c,), if positions are noisy: adds the turning of directions in M. Without
         them directions count as exact in M, and for "transverse" nothing would be left: refused.
         Of a law that is not linear, the forces at which its slopes are taken
-    stiffness : κ of these forces; by default the slope of f_n against the overlaps. (c,) of them
+    stiffness : float, array_like or ContactLaw
+        κ of these forces; by default the slope of f_n against the overlaps. (c,) of them
         where contacts differ (κ in errors is then the mean), or a law
-    **options : of the estimator: solver and tol, or data
+    **options : object
+        Of the estimator: solver and tol, or data
 
     Returns
     -------
-    E, with what follows from it.
+    ErrorMap
+        E, with what follows from it.
 
     Raises
     ------
-    ValueError : bad input, an argument not used, or an equation without a unique solution.
+    ValueError
+        Bad input, an argument not used, or an equation without a unique solution.
 
     Notes
     -----
@@ -182,15 +191,22 @@ def worst_pattern(
 
     Parameters
     ----------
-    network, method, noise, **more : as for `error_map`
+    network : ContactNetwork
+        Without noise
+    method, noise : str
+        As for `error_map`
+    **more : object
+        As for `error_map`
 
     Returns
     -------
-    s, a length; η (k,); δf (2c,), lengths.
+    tuple of float and two numpy.ndarray
+        s, a length; η (k,); δf (2c,), lengths.
 
     Raises
     ------
-    ValueError : see `error_map`.
+    ValueError
+        See `error_map`.
 
     Notes
     -----
@@ -202,6 +218,6 @@ def worst_pattern(
     >>> triangle = ContactNetwork(
     ...     [[0, 0], [1, 0], [0.5, 0.75**0.5]], [0.5] * 3, [(0, 1), (1, 2), (0, 2)])
     >>> f"{worst_pattern(triangle)[0]:.3f}"
-    '0.417'
+    '0.416'
     """
     return error_map(network, method, noise, **more).worst_pattern()

@@ -26,11 +26,29 @@ def mean_force(forces: Any, *, frictional: bool | None = None) -> float:
 
     Parameters
     ----------
-    forces : a packing, a reconstruction, or an array: (2c,) f_n then f_t, or (c,) f_n
-    frictional : of an array, whether tangential forces are among them
+    forces : object or array_like
+        A packing, a reconstruction, or an array: (2c,) f_n then f_t, or (c,) f_n
+    frictional : bool
+        Of an array, whether tangential forces are among them
 
-    ValueError: a number that is not finite, a wrong shape, or an array that may be read either
-    way.
+    Returns
+    -------
+    float
+        Mean over contacts of √(f_n² + f_t²), or of |f_n|, a force.
+
+    Raises
+    ------
+    ValueError
+        A number that is not finite, a wrong shape, or an array that may be read either way.
+
+    Notes
+    -----
+    The denominator of the error E, see `relative_error`.
+
+    Examples
+    --------
+    >>> mean_force([3.0, 1.0, 4.0, 0.0], frictional=True)
+    3.0
     """
     f, frictional = read_forces("forces", forces, frictional)
     return mean_of(f, frictional)
@@ -41,12 +59,31 @@ def relative_error(predicted: Any, true: Any, *, frictional: bool | None = None)
 
     Parameters
     ----------
-    predicted, true : a reconstruction and a packing, or arrays: (2c,) f_n then f_t, or (c,) f_n
-    frictional : of arrays, whether tangential forces are among them. False also for the error of
-        normal forces by themselves, rms(δf_n)/⟨f_n⟩
+    predicted, true : object or array_like
+        A reconstruction and a packing, or arrays: (2c,) f_n then f_t, or (c,) f_n
+    frictional : bool
+        Of arrays, whether tangential forces are among them. False also for the error of normal
+        forces by themselves, rms(δf_n)/⟨f_n⟩
 
-    ValueError: shapes do not match, a number is not finite, the true forces are all zero, or
-    arrays that may be read either way, where `frictional` has to say it.
+    Returns
+    -------
+    float
+        E, a number.
+
+    Raises
+    ------
+    ValueError
+        Shapes do not match, a number is not finite, the true forces are all zero, or arrays that
+        may be read either way, where `frictional` has to say it.
+
+    Notes
+    -----
+    E is the rms over all components of f_pred - f, over the mean of |f_e| over contacts.
+
+    Examples
+    --------
+    >>> f"{relative_error([1.0, 1.1], [1.0, 1.0], frictional=False):.4f}"
+    '0.0707'
     """
     known = [_knows(name, side) for name, side in (("predicted", predicted), ("true", true))]
     if frictional is None:

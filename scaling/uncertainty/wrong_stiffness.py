@@ -34,18 +34,24 @@ def stiffness_response(
 
     Parameters
     ----------
-    network : contacts and directions
-    forces : the true ones, (2c,) or (c,)
-    spread : (c,) relative deviations of the stiffness
-    frictional : False: c normal forces, no torques
+    network : ContactNetwork
+        Contacts and directions
+    forces : array_like
+        The true ones, (2c,) or (c,)
+    spread : array_like
+        (c,) relative deviations of the stiffness
+    frictional : bool
+        False: c normal forces, no torques
 
     Returns
     -------
-    (2c,) or (c,) δf to first order in `spread`.
+    numpy.ndarray
+        (2c,) or (c,) δf to first order in `spread`.
 
     Raises
     ------
-    ValueError : bad input, or an equation without a unique solution.
+    ValueError
+        Bad input, or an equation without a unique solution.
 
     Notes
     -----
@@ -80,19 +86,26 @@ def forces_of_overlaps(
 
     Parameters
     ----------
-    network : contacts, directions and loads
-    overlaps : (c,) lengths, whatever the contact law that made them
-    stiffness : κ, (c,) of them, or a law: what the method takes for true
-    method : "gppsz", "balanced" or "direct"
-    frictional : False: c normal forces, no torques
+    network : ContactNetwork
+        Contacts, directions and loads
+    overlaps : array_like
+        (c,) lengths, whatever the contact law that made them
+    stiffness : float, array_like or ContactLaw
+        κ, (c,) of them, or a law: what the method takes for true
+    method : str
+        "gppsz", "balanced" or "direct"
+    frictional : bool
+        False: c normal forces, no torques
 
     Returns
     -------
-    (2c,) or (c,) forces.
+    numpy.ndarray
+        (2c,) or (c,) forces.
 
     Raises
     ------
-    ValueError : another method, or bad input.
+    ValueError
+        Another method, or bad input.
 
     Notes
     -----

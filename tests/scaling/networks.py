@@ -13,6 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 from scipy.spatial import Delaunay
 
+from packing.contact_law import law_of
 from scaling import ContactNetwork, force_equation, stress
 
 
@@ -22,7 +23,7 @@ class Truth:
 
     network: ContactNetwork
     forces: np.ndarray
-    stiffness: float
+    stiffness: object  # κ, one for each contact, or a law
     frictional: bool = True
 
     @property
@@ -53,9 +54,10 @@ class Truth:
 
 
 def loaded(network, stiffness=1.0, seed=0, friction=0.3, frictional=True):
-    """Load `network` such that f_n = κ δ and drawn f_t, |f_t| <= μ f_n, are its forces."""
+    """Load `network` such that f_n = κ δ, or as a law has it, and drawn f_t, |f_t| <= μ f_n, are
+    its forces."""
     rng = np.random.default_rng(seed)
-    fn = stiffness * network.overlaps
+    fn = law_of(stiffness).force(network.overlaps)
     ft = friction * abs(fn) * rng.uniform(-1, 1, len(fn))
     f = np.concatenate([fn, ft]) if frictional else fn
     equation = force_equation(network, frictional)

@@ -44,10 +44,14 @@ class BoundedDiagnostics(Diagnostics):
 
     Attributes
     ----------
-    noise : (k,) the most probable η
-    status, iterations, tolerance : of the convex solver, see `scaling.algebra.quadratic_program`
-    curved : whether the second order of distances had to be let in
-    freedom : the degrees of freedom of `misfit`; None for ξ = ∞
+    noise : numpy.ndarray
+        (k,) the most probable η
+    status, iterations, tolerance : str, int and float
+        Of the convex solver, see `scaling.algebra.quadratic_program`
+    curved : bool
+        Whether the second order of distances had to be let in
+    freedom : float
+        The degrees of freedom of `misfit`; None for ξ = ∞
     """
 
     noise: Floats
@@ -64,18 +68,26 @@ class Bounded(Estimator):
 
     Parameters
     ----------
-    friction : μ >= 0; not needed, and 0, where there are no tangential forces
-    pressure : p > 0, force per length, of a periodic cell; not used if open
-    xi, noise, covariance : the noise of the data, see `scaling.noise.noise_model`; one of xi and
+    friction : float
+        μ >= 0; not needed, and 0, where there are no tangential forces
+    pressure : float
+        p > 0, force per length, of a periodic cell; not used if open
+    xi, noise, covariance : float, str and array_like
+        The noise of the data, see `scaling.noise.noise_model`; one of xi and
         covariance is needed. xi = inf: sizes and distances are not known at all
-    data : "all", or "sizes" (no distances, directions exact)
-    prior : what forces are before anything is measured, a `Prior`
-    gaps : whether contacts of the list may be open, with data="all"
-    progress : None shows a bar on a terminal only, False never
+    data : str
+        "all", or "sizes" (no distances, directions exact)
+    prior : Prior
+        What forces are before anything is measured, a `Prior`
+    gaps : bool
+        Whether contacts of the list may be open, with data="all"
+    progress : bool
+        None shows a bar on a terminal only, False never
 
     Raises
     ------
-    ValueError : naming the argument and its value.
+    ValueError
+        Naming the argument and its value.
 
     Notes
     -----

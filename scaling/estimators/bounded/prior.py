@@ -16,12 +16,15 @@ class Prior:
 
     Parameters
     ----------
-    mean : of f_n, finite
-    normal, tangential : standard deviations of f_n and f_t, positive
+    mean : float
+        Of f_n, finite
+    normal, tangential : float
+        Standard deviations of f_n and f_t, positive
 
     Raises
     ------
-    ValueError : naming the argument and its value.
+    ValueError
+        Naming the argument and its value.
 
     Notes
     -----

@@ -38,10 +38,14 @@ class OptimalDiagnostics(Diagnostics):
 
     Attributes
     ----------
-    noise : (k,) the most probable η
-    steps, change : of Gauss and Newton; of the forces in the last step, relative
-    scale : κ ξ: times `scaling.cramer_rao(...)` of the same arguments the error of the forces
-    freedom : the degrees of freedom of `misfit`
+    noise : numpy.ndarray
+        (k,) the most probable η
+    steps, change : int and float
+        Of Gauss and Newton; of the forces in the last step, relative
+    scale : float
+        κ ξ: times `scaling.cramer_rao(...)` of the same arguments the error of the forces
+    freedom : float
+        The degrees of freedom of `misfit`
     """
 
     noise: Floats
@@ -57,13 +61,16 @@ class Optimal(LinearEstimator):
 
     Parameters
     ----------
-    xi, noise, covariance : the noise of the data, see `scaling.noise.noise_model`; one of xi and
+    xi, noise, covariance : float, str and array_like
+        The noise of the data, see `scaling.noise.noise_model`; one of xi and
         covariance is needed to solve
-    data : "all", or "sizes" (no distances, directions exact)
+    data : str
+        "all", or "sizes" (no distances, directions exact)
 
     Raises
     ------
-    ValueError : naming the argument and its value.
+    ValueError
+        Naming the argument and its value.
 
     Notes
     -----
@@ -74,7 +81,7 @@ class Optimal(LinearEstimator):
     --------
     >>> from scaling import ContactNetwork, force_equation
     >>> loads = [[1.0, 0, 0], [-1.0, 0, 0]]
-    >>> pair = ContactNetwork([[0, 0], [0.9, 0]], [0.5, 0.5], [(0, 1)], external=loads)
+    >>> pair = ContactNetwork([[0, 0], [0.9, 0]], [0.503, 0.503], [(0, 1)], external=loads)
     >>> found = Optimal(xi=0.01).solve(force_equation(pair).with_law(10.0))
     >>> [f"{f:.3f}" for f in found.normal]
     ['1.000']
