@@ -6,7 +6,7 @@ Knows no simulation: networks are plain arrays, from anybody's packing. The sign
 drawn in `scaling.geometry.contact_network`.
 """
 
-from packing.contact_search import infer_contacts
+from packing.contacts.contact_search import infer_contacts
 from packing.version import __version__
 from scaling.algebra.conditioning import Conditioning
 from scaling.equation.force_equation import ForceEquation, force_equation

@@ -14,7 +14,14 @@ CODES = {
 }  # fmt: skip
 """Of numpydoc.validate: the parameters are those of the signature, in order, each with a type and
 a description; what comes out is described; there is an example; sections in their order."""
-MODULES = ("dem", "packing.boundary", "packing.contact_law", "scaling", "scaling.symbolic")
+MODULES = (
+    "dem",
+    "packing.boundary",
+    "packing.contact_law",
+    "scaling",
+    "scaling.estimators",
+    "scaling.symbolic",
+)
 
 
 def public() -> list[str]:

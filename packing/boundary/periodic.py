@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from packing.arguments.arrays import Floats, Integers
-from packing.contact_list import resolved
-from packing.immutable import Immutable
-from packing.lattice import reduced
+from packing.arguments.immutable import Immutable
+from packing.contacts.contact_list import resolved
+from packing.contacts.lattice import reduced
 
 _AROUND = np.array([[a, b] for a in (-1, 0, 1) for b in (-1, 0, 1)])
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from packing.arguments.arrays import Floats, frozen, real_array
+from packing.arguments.immutable import Immutable
 from packing.arguments.numbers import SMALLEST, positive_number
-from packing.immutable import Immutable
 
 
 @dataclass(frozen=True, eq=False)

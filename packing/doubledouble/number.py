@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from packing.arguments.arrays import real_array, whole_array
+from packing.arguments.immutable import Immutable
 from packing.arguments.numbers import instance, shown
 from packing.doubledouble.error_free import doubles, product_and_rest, refuse_shapes, sum_and_rest
-from packing.immutable import Immutable
 
 #: Relative error of one operation.
 EPS = 2.0**-104

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from packing.arguments.arrays import Floats, real_array, truth_array, whole_array
 from packing.arguments.coordinate_rounding import EVIDENCE, significant_digits
 from packing.arguments.numbers import flag, shown
-from packing.rattlers import backbone, fewest_contacts
+from packing.contacts.rattlers import backbone, fewest_contacts
 from scaling.geometry.coarse_coordinates import force_rounding
 from scaling.geometry.network_data import NetworkData
 

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from packing import contact_list
 from packing.arguments.arrays import Floats, frozen, real_array
 from packing.arguments.numbers import shown
 from packing.boundary import boundary_of
+from packing.contacts import contact_list
 from scaling.geometry.high_precision import LowParts, with_low_parts
 from scaling.geometry.network_data import NetworkData
 from scaling.geometry.shared import Shared

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arguments.arrays import Floats, Integers, real_array
+from packing.arguments.immutable import Immutable, read_only
 from packing.doubledouble import DoubleDouble, hypot, segment_sums
-from packing.immutable import Immutable, read_only
 from scaling.geometry.topology.loops import Loops
 
 

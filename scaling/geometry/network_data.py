@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from packing.arguments.arrays import Floats, Integers, frozen
+from packing.arguments.immutable import Immutable
 from packing.boundary import Boundary, boundary_of
-from packing.immutable import Immutable
 from scaling.geometry.high_precision import Extended
 from scaling.geometry.shared import Shared
 from scaling.geometry.topology.loops import Loops

@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from packing import contact_list
 from packing.arguments.arrays import Floats, Integers
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import instance, shown, whole_number
-from packing.lattice import forward
+from packing.contacts import contact_list
+from packing.contacts.lattice import forward
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.geometry.high_precision import NO_LOW_PARTS
 

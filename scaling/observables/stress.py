@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from packing import contact_list
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import instance, positive_number, shown
+from packing.contacts import contact_list
 from scaling.geometry.contact_network import ContactNetwork
 
 

@@ -15,10 +15,10 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from packing import contact_list
 from packing.arguments.arrays import real_array
 from packing.arguments.numbers import flag, instance, positive_number
 from packing.contact_law import ContactLaw
+from packing.contacts import contact_list
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.conventions import check_noise
 from scaling.uncertainty.gain import gain

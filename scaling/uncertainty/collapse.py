@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from packing import contact_list
 from packing.arguments.arrays import Floats, real_array
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import generator, positive_number, real_number, shown, whole_number
+from packing.contacts import contact_list
 from packing.packing_like import fields_of
 from scaling.equation.force_equation import force_equation
 from scaling.estimators.table import informed, linear_names

@@ -8,7 +8,7 @@ DISKS = ("tests/dem/motion/test_two_disks.py",)
 MOTION = ("tests/dem/motion/test_motion.py",)
 POLISH = ("tests/dem/balance/test_newton.py",)
 EXTENDED = ("tests/dem/protocols/test_stiffen.py",)
-RATTLERS = ("tests/packing/test_rattlers.py",)
+RATTLERS = ("tests/packing/contacts/test_rattlers.py",)
 PACKING = ("tests/packing/test_record.py",)
 
 DEM = (
@@ -84,14 +84,14 @@ DEM = (
     ),
     Mutation(
         "rattlers: one contact more",
-        "packing/rattlers.py",
+        "packing/contacts/rattlers.py",
         "return 2 if frictional else 3",
         "return 2 if frictional else 2",
         RATTLERS,
     ),
     Mutation(
         "rattlers: taken off once",
-        "packing/rattlers.py",
+        "packing/contacts/rattlers.py",
         "        bearing &= ~drop\n",
         "        return bearing & ~drop\n",
         RATTLERS,

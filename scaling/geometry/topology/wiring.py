@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from packing.arguments.arrays import Floats, Integers
-from packing.immutable import Immutable
+from packing.arguments.immutable import Immutable
 
 
 @dataclass(frozen=True, eq=False)

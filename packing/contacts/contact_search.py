@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from packing import contact_list
 from packing.arguments.arrays import Floats, Integers, real_array
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import finite_number
-from packing.lattice import forward, reduced
+from packing.contacts import contact_list
+from packing.contacts.lattice import forward, reduced
 
 _PER_PAIR = 200
 """Bytes for a pair within reach: what the tree returns, its image, and what is made of them."""
@@ -68,7 +68,7 @@ def infer_contacts(
     Notes
     -----
     With exact data a threshold of 0 finds all contacts that push. With noise ξ far above the
-    overlaps every threshold misses contacts or invents some (`packing.contact_search`).
+    overlaps every threshold misses contacts or invents some (`packing.contacts.contact_search`).
 
     Examples
     --------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from packing.rattlers import backbone, fewest_contacts
+from packing.contacts.rattlers import backbone, fewest_contacts
 
 
 def test_backbone_takes_rattlers_off_one_after_another():
