@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from packing.arguments.arrays import Floats, Integers
+from packing.arguments.immutable import Immutable
 from packing.boundary import Boundary, boundary_of
 from packing.doubledouble import DoubleDouble, hypot
-from packing.immutable import Immutable
 from packing.provenance import Provenance
 
 

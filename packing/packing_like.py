@@ -18,20 +18,23 @@ _OTHER_NAMES = {
 
 
 class PackingLike(Protocol):
-    """The fields of a contact network. It may also have `cell`, `images`, `external` and low parts
-    (`positions_low`, `radii_low`, `cell_low`); by another name these are refused."""
+    """The fields that a contact network is made from.
+
+    It may also have `cell`, `images`, `external` and the low parts `positions_low`, `radii_low`
+    and `cell_low`. By another name the first three are refused.
+    """
 
     @property
     def positions(self) -> ArrayLike:
-        """(N, 2) centres."""
+        """Centres, (N, 2)."""
 
     @property
     def radii(self) -> ArrayLike:
-        """(N,) radii."""
+        """Radii, (N,)."""
 
     @property
     def pairs(self) -> ArrayLike:
-        """(c, 2) grains i <= j of each contact."""
+        """Grains i <= j of each contact, (c, 2)."""
 
 
 class RelaxedPackingLike(PackingLike, Protocol):
@@ -39,15 +42,15 @@ class RelaxedPackingLike(PackingLike, Protocol):
 
     @property
     def forces(self) -> ArrayLike:
-        """(2c,) f_n then f_t, or (c,) f_n alone."""
+        """Contact forces: f_n then f_t, (2c,), or f_n alone, (c,)."""
 
     @property
     def stiffness(self) -> float:
-        """κ, force per length."""
+        """The stiffness κ, force per length."""
 
     @property
     def pressure(self) -> float:
-        """p, force per length."""
+        """The pressure p, force per length."""
 
 
 def fields_of(packing: Any, names: Iterable[str]) -> dict[str, Any]:

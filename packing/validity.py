@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from packing import contact_list
 from packing.arguments.numbers import SMALLEST
+from packing.contacts import contact_list
 from packing.doubledouble import EPS
 from packing.packing_data import PackingData
 

@@ -20,8 +20,9 @@ from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7
 from paper_figs.pages import dem_trade, floor, ladder, ramps, relaxation, ridge, rounding, solvers
 from paper_figs.style import write
 from studies.command_line import one_of, parser
+from studies.of_figures import OF_FIGURES
 from studies.packing_store import Edition
-from studies.registry import OF_FIGURES, STUDIES
+from studies.registry import STUDIES
 from studies.run import Run
 from studies.tables import read_facts, read_table
 

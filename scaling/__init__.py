@@ -6,7 +6,7 @@ Knows no simulation: networks are plain arrays, from anybody's packing. The sign
 drawn in `scaling.geometry.contact_network`.
 """
 
-from packing.contact_search import infer_contacts
+from packing.contacts.contact_search import infer_contacts
 from packing.version import __version__
 from scaling.algebra.conditioning import Conditioning
 from scaling.equation.force_equation import ForceEquation, force_equation
@@ -24,12 +24,13 @@ from scaling.geometry.topology.loops import Loops
 from scaling.noise.conventions import perturb
 from scaling.noise.systematic import rescaled, rounded
 from scaling.observables.stress import stress
-from scaling.uncertainty.amplification import amplification, amplification_of, gain
+from scaling.uncertainty.amplification import amplification, amplification_of
 from scaling.uncertainty.collapse import collapse
 from scaling.uncertainty.cramer_rao import cramer_rao
 from scaling.uncertainty.credible_intervals import credible_intervals
 from scaling.uncertainty.error_map import ErrorMap
-from scaling.uncertainty.linear_response import error_map, worst_pattern
+from scaling.uncertainty.gain import gain
+from scaling.uncertainty.map_of_method import error_map, worst_pattern
 from scaling.uncertainty.relative_error import mean_force, relative_error
 from scaling.uncertainty.wrong_stiffness import forces_of_overlaps, stiffness_response
 

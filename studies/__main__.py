@@ -53,7 +53,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from studies.command_line import one_of, parser
-from studies.registry import OF_FIGURES, STUDIES
+from studies.of_figures import OF_FIGURES
+from studies.registry import STUDIES
 from studies.run import Run
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from packing import contact_list
 from packing.arguments.arrays import Integers, whole_array
 from packing.arguments.numbers import shown
+from packing.contacts import contact_list
 from scaling.uncertainty.relative_error import mean_of, read_forces
 
 

@@ -13,76 +13,14 @@ from collections.abc import Callable, Iterator
 from types import ModuleType
 
 from dem import Packing, Scene
-from studies import million_grains
-from studies.estimators import (
-    bound,
-    coverage,
-    estimator_errors,
-    ladder,
-    prior,
-    ridge,
-    sensitivity,
-    stress,
-)
-from studies.experiment import experiment_errors, floor, rounding, stiffness
-from studies.one_packing import error_maps, force_chains, grains
+from studies import million_grains, of_figures
+from studies.estimators import bound, coverage, ladder, prior, ridge, sensitivity, stress
+from studies.experiment import floor, rounding, stiffness
+from studies.of_figures import Study
 from studies.packing_store import DELTAS, SEED, make
-from studies.packings import (
-    anisotropy,
-    continuation,
-    dem_trade,
-    packing_table,
-    ramps,
-    same_packing,
-)
-from studies.prefactors import (
-    collapse,
-    finite_size,
-    laws,
-    loop_sums,
-    measures,
-    prefactor,
-    prefactor_laws,
-)
+from studies.packings import anisotropy, continuation, dem_trade, ramps, same_packing
+from studies.prefactors import finite_size, laws, measures, prefactor
 from studies.run import Run
-
-Study = Callable[[Run], None]
-
-OF_FIGURES: dict[str, tuple[str, ModuleType]] = {
-    "collapse": ("fig1", collapse), "loop_sums": ("fig2", loop_sums),
-    "force_chains": ("fig3", force_chains), "estimator_errors": ("fig4", estimator_errors),
-    "prefactor_laws": ("fig5", prefactor_laws), "error_maps": ("fig6", error_maps),
-    "experiment_errors": ("fig7", experiment_errors), "grains": ("grains", grains),
-    "packing_table": ("table1", packing_table),
-}  # fmt: skip
-"""The table of each, and its module."""
-CAPTIONS = {
-    "estimator_errors": "Fig. 4: E against noise, ± standard deviation over packings",
-    "prefactor_laws": "Fig. 5: C = E/(ξ/Δ), noise on diameters, on positions",
-    "experiment_errors": "Fig. 7: contacts read off noisy positions, and what E they leave",
-}
-
-
-def _of_figure(study: str) -> Study:
-    """The table, and in words what the docs quote of it."""
-    name, module = OF_FIGURES[study]
-
-    def part(run: Run) -> None:
-        table = module.compute(run.packings, run.edition)
-        run.write_of_figure(name, table, module.facts(run.packings, run.edition))
-        if study in CAPTIONS:
-            run.report(f"{CAPTIONS[study]}\n\n{module.text(table)}\n")
-
-    return part
-
-
-def _table_1(run: Run) -> None:
-    """It takes its prefactors over from Fig. 1."""
-    rows = packing_table.compute(run.packings, run.errors)
-    fits = packing_table.fits(run.packings, run.errors)
-    about = packing_table.facts(run.packings, run.edition)
-    run.write_of_figure("table1", rows, about | {"fits": fits})
-    run.report(f"Table 1\n\n{packing_table.text(rows, fits)}\n")
 
 
 def _lines(name: str, lines: Callable[[], Iterator[str]]) -> Study:
@@ -159,8 +97,7 @@ def _no_noise(run: Run) -> None:
 
 
 STUDIES: dict[str, Study] = {
-    **{name: _of_figure(name) for name in OF_FIGURES if name != "packing_table"},
-    "packing_table": _table_1,
+    **of_figures.STUDIES,
     "laws": _lines("laws", laws.lines), "prefactor": _lines("prefactor", prefactor.lines),
     "measures": _lines("measures", measures.lines),
     "finite_size": _lines("finite_size", finite_size.lines),

@@ -10,7 +10,7 @@ from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours
 from dem.motion.state import State
 from packing.arguments.arrays import Floats
-from packing.rattlers import backbone, fewest_contacts
+from packing.contacts.rattlers import backbone, fewest_contacts
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from packing import contact_list
 from packing.arguments.arrays import Floats, real_array, whole_array
 from packing.arguments.arrays import Integers as Ints
+from packing.contacts import contact_list
 
 OF_THE_HISTORY = " of the history"
 

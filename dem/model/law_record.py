@@ -18,5 +18,9 @@ def law_record(law: ContactLaw) -> dict[str, Any]:
     parameters = getattr(type(law), "__dataclass_params__", None)
     if not is_dataclass(law) or not getattr(parameters, "frozen", False):
         raise ValueError(f"contact = {law!r}: a law of a scene is a frozen dataclass")
+    try:
+        hash(law)
+    except TypeError as why:
+        raise ValueError(f"contact = {law!r}: a law of a scene can be hashed ({why})") from None
     numbers = {f.name: getattr(law, f.name) for f in fields(law)}
     return {"law": name} | {k: plain_value(f"{k} of contact", v) for k, v in numbers.items()}

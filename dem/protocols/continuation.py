@@ -35,7 +35,7 @@ from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours
 from dem.motion.neighbours import find_neighbours
 from dem.protocols.progress import PressureBar
-from packing.contact_list import seen_ahead
+from packing.contacts.contact_list import seen_ahead
 from packing.doubledouble import EPS
 from packing.record import Packing
 

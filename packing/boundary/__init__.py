@@ -12,5 +12,25 @@ __all__ = ["Boundary", "Open", "Periodic", "boundary_of"]
 
 
 def boundary_of(cell: Floats | None) -> Boundary:
-    """The boundary of a packing with this cell, checked before; None for an open one."""
+    """The boundary of a packing with this cell.
+
+    Parameters
+    ----------
+    cell : (2, 2) array or None
+        Lattice vectors as rows, checked before; None for an open packing.
+
+    Returns
+    -------
+    Boundary
+        `Open`, or `Periodic` with this cell.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from packing.boundary import boundary_of
+    >>> boundary_of(None)
+    Open(cell=None, area=None)
+    >>> boundary_of(np.diag([2.0, 3.0])).area
+    6.0
+    """
     return Open() if cell is None else Periodic(cell)

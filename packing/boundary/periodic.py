@@ -11,29 +11,54 @@ from dataclasses import dataclass
 import numpy as np
 
 from packing.arguments.arrays import Floats, Integers
-from packing.contact_list import resolved
-from packing.immutable import Immutable
-from packing.lattice import reduced
+from packing.arguments.immutable import Immutable
+from packing.contacts.contact_list import resolved
+from packing.contacts.lattice import reduced
 
 _AROUND = np.array([[a, b] for a in (-1, 0, 1) for b in (-1, 0, 1)])
 
 
 @dataclass(frozen=True, eq=False)
 class Periodic(Immutable):
-    """``cell`` (2, 2): lattice vectors as rows, in any order and however sheared."""
+    """A periodic cell, sheared or not.
+
+    Parameters
+    ----------
+    cell : (2, 2) array
+        Lattice vectors as rows, in any order and however sheared.
+
+    Attributes
+    ----------
+    area : float
+        |det cell|.
+
+    Notes
+    -----
+    Contact (i, j) with the image m has the branch x_j - x_i + m·cell.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from packing.boundary import Periodic
+    >>> periodic = Periodic(np.diag([10.0, 10.0]))
+    >>> x, pair = np.array([[0.5, 5.0], [9.75, 5.0]]), np.array([[0, 1]])
+    >>> image = periodic.nearest_images(x, pair)
+    >>> image.tolist(), periodic.branches(x, pair, image).tolist()
+    ([[-1, 0]], [[-0.75, 0.0]])
+    """
 
     cell: Floats
 
     @property
     def area(self) -> float:
-        """|det cell|."""
+        """Area of the cell, |det cell|."""
         return abs(float(np.linalg.det(self.cell)))
 
     def refuse_images(self, images: Integers) -> None:
         """Every integer image exists."""
 
     def nearest_images(self, positions: Floats, pairs: Integers) -> Integers:
-        """(c, 2) images that make the branches shortest; ValueError: centres too far out."""
+        """Images that make the branches shortest, (c, 2). ValueError: centres too far out."""
         branch = positions[pairs[:, 1]] - positions[pairs[:, 0]]
         short, T = reduced(self.cell)
         side = float(np.linalg.norm(short, axis=1).min())
@@ -46,9 +71,9 @@ class Periodic(Immutable):
         return candidates[np.arange(len(pairs)), r.argmin(axis=1)].astype(np.int64) @ T
 
     def branches(self, positions: Floats, pairs: Integers, images: Integers) -> Floats:
-        """(c, 2) x_j - x_i + m·cell."""
+        """Branches x_j - x_i + m·cell, (c, 2)."""
         return positions[pairs[:, 1]] - positions[pairs[:, 0]] + images @ self.cell
 
     def windings(self, images: Integers) -> Floats:
-        """(k, 2) Λ = m·cell."""
+        """Lattice vectors Λ = m·cell, (k, 2)."""
         return images @ self.cell

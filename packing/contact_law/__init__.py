@@ -16,15 +16,53 @@ _METHODS = ("force", "overlap", "slope", "tangential_stiffness", "delta")
 
 
 def is_law(thing: object) -> TypeGuard[ContactLaw]:
-    """Whether it has all that a contact law has to know."""
+    """Whether something can be asked all that a contact law has to know.
+
+    Parameters
+    ----------
+    thing : object
+        A law, or what stands for one: see `law_of`.
+
+    Returns
+    -------
+    bool
+        Whether it has the five methods of a `ContactLaw`. A class is no law, its objects are.
+
+    Examples
+    --------
+    >>> from packing.contact_law import Linear, is_law
+    >>> is_law(Linear(100.0)), is_law(100.0), is_law(Linear)
+    (True, False, False)
+    """
     methods = (getattr(thing, name, None) for name in _METHODS)
     return not isinstance(thing, type) and all(map(callable, methods))
 
 
 def law_of(stiffness: ArrayLike | ContactLaw) -> ContactLaw:
-    """The law that a ``stiffness`` stands for: a number κ, an array (c,) of them, or a law.
+    """The contact law that a stiffness stands for.
 
-    ValueError: a number that is not positive, named by its contact in an array.
+    Parameters
+    ----------
+    stiffness : float, (c,) array or ContactLaw
+        κ in force per length: one number, one for each contact, or a law, which is returned.
+
+    Returns
+    -------
+    ContactLaw
+        `Linear` for a number, `PerContact` for an array.
+
+    Raises
+    ------
+    ValueError
+        A number that is not positive, named by its contact in an array.
+
+    Examples
+    --------
+    >>> from packing.contact_law import law_of
+    >>> law_of(100.0)
+    Linear(stiffness=100.0, stiffness_ratio=0.5)
+    >>> law_of([100.0, 50.0]).delta(1.0)
+    0.015
     """
     if is_law(stiffness):
         return stiffness

@@ -14,19 +14,34 @@ from packing.arguments.arrays import Floats
 
 
 class ContactLaw(Protocol):
-    """One contact law; each is a module of this folder. All arrays are (c,)."""
+    """What any contact law can be asked; each law is a module of this folder.
+
+    All arrays are (c,), one entry per contact. Overlaps δ are lengths.
+
+    Notes
+    -----
+    A new law has these five methods. `scaling.reconstruct` and its relatives take it in place of
+    the stiffness.
+
+    Examples
+    --------
+    >>> from packing.contact_law import ContactLaw, Linear
+    >>> law: ContactLaw = Linear(100.0)
+    >>> law.delta(pressure=1.0)
+    0.01
+    """
 
     def force(self, overlap: Floats) -> Floats:
-        """f_n(δ)."""
+        """Normal force f_n(δ)."""
 
     def overlap(self, force: Floats) -> Floats:
-        """δ(f_n), the inverse."""
+        """Overlap δ(f_n), the inverse of `force`."""
 
     def slope(self, overlap: Floats) -> Floats:
-        """df_n/dδ, force per length."""
+        """Slope df_n/dδ, force per length."""
 
     def tangential_stiffness(self, overlap: Floats) -> Floats:
-        """k_t(δ), force per length."""
+        """Tangential stiffness k_t(δ), force per length."""
 
     def delta(self, pressure: float) -> float:
         """Δ of a packing under this pressure."""

@@ -12,23 +12,29 @@ from packing.arguments.numbers import positive_number
 
 @dataclass(frozen=True)
 class Linear:
-    """Disks as springs.
+    """Disks as linear springs, the same at every contact.
 
     Parameters
     ----------
-    stiffness : κ > 0, force per length
-    stiffness_ratio : k_t/κ > 0
+    stiffness : float, default 1.0
+        κ > 0, force per length.
+    stiffness_ratio : float, default 0.5
+        k_t/κ > 0, with k_t the tangential stiffness.
 
     Raises
     ------
-    ValueError : naming the argument and its value.
+    ValueError
+        A number that is not positive, with the name of the argument and its value.
 
     Notes
     -----
-    The law of Eq. 1 of DeGiuli and McElwaine, PRL 116, 078001 (2016).
+    f_n = κ δ and Δ = p/κ: the law of Eq. 1 of the Comment by DeGiuli and McElwaine on
+    PRL 116, 078001 (2016).
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from packing.contact_law import Linear
     >>> Linear(100.0).force(np.array([0.01, 0.02])).tolist()
     [1.0, 2.0]
     """
@@ -41,21 +47,21 @@ class Linear:
             object.__setattr__(self, name, positive_number(name, getattr(self, name)))
 
     def force(self, overlap: Floats) -> Floats:
-        """κ δ."""
+        """Normal force κ δ."""
         return self.stiffness * overlap
 
     def overlap(self, force: Floats) -> Floats:
-        """f_n/κ."""
+        """Overlap f_n/κ."""
         return force / self.stiffness
 
     def slope(self, overlap: Floats) -> Floats:
-        """κ."""
+        """Slope κ."""
         return np.full(np.shape(overlap), self.stiffness)
 
     def tangential_stiffness(self, overlap: Floats) -> Floats:
-        """k_t."""
+        """Tangential stiffness k_t."""
         return np.full(np.shape(overlap), self.stiffness * self.stiffness_ratio)
 
     def delta(self, pressure: float) -> float:
-        """p/κ."""
+        """The small number Δ = p/κ of a packing under the pressure p."""
         return pressure / self.stiffness

@@ -7,25 +7,34 @@ from dataclasses import dataclass
 import numpy as np
 
 from packing.arguments.arrays import Floats, frozen, real_array
+from packing.arguments.immutable import Immutable
 from packing.arguments.numbers import SMALLEST, positive_number
-from packing.immutable import Immutable
 
 
 @dataclass(frozen=True, eq=False)
 class PerContact(Immutable):
-    """Grains of different materials, say.
+    """Linear springs, each with a stiffness of its own: grains of different materials, say.
 
     Parameters
     ----------
-    stiffness : (c,) κ_e > 0, force per length, in the order of the contacts
-    stiffness_ratio : k_t/κ > 0, the same at every contact
+    stiffness : (c,) array
+        κ_e > 0, force per length, in the order of the contacts.
+    stiffness_ratio : float, default 0.5
+        k_t/κ > 0, the same at every contact.
 
     Raises
     ------
-    ValueError : naming the contact and its number.
+    ValueError
+        A stiffness that is not positive, with its contact and number; no contact at all.
+
+    Notes
+    -----
+    f_n,e = κ_e δ_e and Δ = p ⟨1/κ⟩, the mean overlap under the pressure p.
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from packing.contact_law import PerContact
     >>> PerContact(np.array([100.0, 50.0])).force(np.array([0.01, 0.01])).tolist()
     [1.0, 0.5]
     """
@@ -45,21 +54,21 @@ class PerContact(Immutable):
         object.__setattr__(self, "stiffness_ratio", ratio)
 
     def force(self, overlap: Floats) -> Floats:
-        """κ_e δ_e."""
+        """Normal forces κ_e δ_e."""
         return self.stiffness * overlap
 
     def overlap(self, force: Floats) -> Floats:
-        """f_n,e/κ_e."""
+        """Overlaps f_n,e/κ_e."""
         return force / self.stiffness
 
     def slope(self, overlap: Floats) -> Floats:
-        """κ_e."""
+        """Slopes κ_e."""
         return self.stiffness
 
     def tangential_stiffness(self, overlap: Floats) -> Floats:
-        """k_t,e."""
+        """Tangential stiffnesses k_t,e."""
         return self.stiffness_ratio * self.stiffness
 
     def delta(self, pressure: float) -> float:
-        """p ⟨1/κ⟩."""
+        """The small number Δ = p ⟨1/κ⟩ of a packing under the pressure p."""
         return pressure * float(np.mean(1 / self.stiffness))

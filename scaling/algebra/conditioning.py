@@ -16,11 +16,24 @@ rounding, and the shift μ hides them."""
 
 @dataclass(frozen=True)
 class Conditioning:
-    """Singular values of a matrix: rank, the largest, the smallest, and whether exact.
+    """Singular values of a matrix: how far it is from losing rank.
 
-    `exact` is False for an estimate: both extremes by Lanczos iteration to about 1e-3, from inside
-    (the largest from below, the smallest from above). The rank counts singular values
-    above 1e-10 of the largest, in both cases.
+    Parameters
+    ----------
+    rank : int
+        The number of singular values above 1e-10 of the largest.
+    unknowns : int
+        The number of columns.
+    largest, smallest : float
+        The extreme singular values.
+    exact : bool
+        False for an estimate: both extremes by Lanczos iteration to about 1e-3, from inside (the
+        largest from below, the smallest from above).
+
+    Examples
+    --------
+    >>> Conditioning(rank=2, unknowns=2, largest=3.0, smallest=1.5, exact=True).condition
+    2.0
     """
 
     rank: int

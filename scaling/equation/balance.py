@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
 from packing.arguments.arrays import Floats, Integers
-from packing.immutable import Immutable, read_only
+from packing.arguments.immutable import Immutable, read_only
 from scaling.algebra.least_squares import LeastSquares
 from scaling.geometry.contact_network import ContactNetwork
 

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, vstack
 
 from packing.arguments.arrays import Floats
-from packing.immutable import Immutable, read_only
+from packing.arguments.immutable import Immutable, read_only
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.geometry.topology.loops import Loops
 

@@ -18,10 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array, diags_array, issparse
 
 from packing.arguments.arrays import Floats
-from packing.arguments.numbers import flag, instance, positive_number, shown
-from packing.contact_law import ContactLaw, Linear, PerContact, law_of
+from packing.arguments.numbers import flag, instance, positive_number
+from packing.contact_law import ContactLaw
 from scaling.algebra.conditioning import Conditioning
 from scaling.equation.matrices import Matrices, matrices
+from scaling.equation.stiffness import is_linear, law_and_compliance, mean_stiffness
 from scaling.geometry.contact_network import ContactNetwork
 
 Rows = TypeVar("Rows", Floats, csr_array)
@@ -76,18 +77,7 @@ class ForceEquation:
             No positive number, named by its contact in an array; or an array of another
             length.
         """
-        law, compliance = law_of(stiffness), None
-        if isinstance(law, PerContact):
-            κ = law.stiffness
-            if κ.shape != (self.network.contacts,):
-                raise ValueError(
-                    f"stiffness has shape {κ.shape}, expected ({self.network.contacts},): one "
-                    "number for each contact"
-                )
-            if (κ == κ[0]).all():
-                law = Linear(float(κ[0]), law.stiffness_ratio)
-            else:
-                compliance = κ.mean() / κ
+        law, compliance = law_and_compliance(stiffness, self.network.contacts)
         found = matrices(self.network, self.frictional, self.winding, compliance)
         return replace(self, law=law, matrices=found)
 
@@ -100,16 +90,12 @@ class ForceEquation:
     @property
     def linear(self) -> bool:
         """Whether forces are proportional to overlaps, contact by contact."""
-        return isinstance(self.law, Linear | PerContact)
+        return is_linear(self.law)
 
     @property
     def stiffness(self) -> float:
         """κ, of a stiffness per contact the mean κ̄. ValueError: no law, or none that is linear."""
-        if isinstance(self.law, Linear):
-            return self.law.stiffness
-        if isinstance(self.law, PerContact):
-            return float(self.law.stiffness.mean())
-        raise ValueError(f"stiffness = {shown(self.law)}: a linear law is needed")
+        return mean_stiffness(self.law)
 
     def stiffened(self, rows: Rows) -> Rows:
         """Rows (c, ...), one for each contact, times κ_e/κ̄."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
 from packing.arguments.arrays import Floats
-from packing.immutable import Immutable, read_only
+from packing.arguments.immutable import Immutable, read_only
 from scaling.algebra.least_squares import LeastSquares
 from scaling.equation.balance import Balance, balance
 from scaling.equation.closure import Closure, closure

@@ -32,7 +32,16 @@ SOLVERS = ("auto", "dense", "factor", "lsmr")
 
 
 class Estimator(ABC):
-    """Forces of an equation, by one method."""
+    """Forces of an equation, by one method.
+
+    The base of all estimators: frozen dataclasses whose fields are their options.
+
+    Examples
+    --------
+    >>> from scaling.estimators import Bounded, Gppsz
+    >>> [issubclass(kind, Estimator) for kind in (Gppsz, Bounded)]
+    [True, True]
+    """
 
     name: ClassVar[str]
     """In the table of estimators, and in messages."""
@@ -101,7 +110,14 @@ class Estimator(ABC):
 
 
 class LinearEstimator(Estimator):
-    """An estimator whose forces are linear in the data, so that its errors follow exactly."""
+    """An estimator whose forces are linear in the data, so that its errors follow exactly.
+
+    Examples
+    --------
+    >>> from scaling.estimators import Bounded, Gppsz
+    >>> [issubclass(kind, LinearEstimator) for kind in (Gppsz, Bounded)]
+    [True, False]
+    """
 
     def response(
         self, equation: ForceEquation, noise: NoiseModel, lengths: Floats | None = None

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from packing.arguments.arrays import Floats, frozen
-from packing.immutable import Immutable
+from packing.arguments.immutable import Immutable
 from scaling.algebra.evidence import Solved
 from scaling.equation.force_equation import ForceEquation
 from scaling.estimators.response import Response

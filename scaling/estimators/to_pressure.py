@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from packing import contact_list
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import instance, positive_number
+from packing.contacts import contact_list
 from scaling.equation.virial import virial_of
 from scaling.geometry.contact_network import ContactNetwork
 

@@ -1,4 +1,7 @@
-"""Are the coordinates of a network written finely enough for its overlaps?"""
+"""Are the coordinates of a network written finely enough for its overlaps?
+
+E ≈ 0.7 ξ/⟨δ⟩ ,   ξ the noise of rounding, ⟨δ⟩ the mean overlap, E the error of the forces
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,7 @@ FAR_BELOW = 0.01
 PREFACTOR = 0.7
 #: Overlaps that scatter by less than this times ξ, instead of √2 ξ, belong to exact numbers.
 UNSCATTERED = 0.3
-#: Mean overlaps below this times ξ of plain doubles are what rounding leaves of touching grains.
+#: Mean overlaps below this times ξ of plain doubles: what rounding leaves of touching grains.
 TOUCHING = 8
 #: A cell has two to four numbers; with so many digits they were cut off, not chosen.
 CUT_OFF = range(5, 13)
@@ -31,7 +34,14 @@ _MOST_ROUNDING = 1e-4
 
 
 class CoarseCoordinatesWarning(UserWarning):
-    """Positions, radii or cell are rounded too coarsely for the overlaps, hence for the forces."""
+    """Positions, radii or cell are rounded too coarsely for the overlaps, hence for the forces.
+
+    Given when the noise ξ of rounding exceeds a hundredth of the mean overlap ⟨δ⟩.
+
+    Notes
+    -----
+    Forces then have an error of about 0.7 ξ/⟨δ⟩ of the mean force; the message says how large.
+    """
 
 
 def noise_of_rounding(network: NetworkData) -> dict[str, Resolution]:

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from packing.arguments.arrays import Floats, real_array, truth_array, whole_array
 from packing.arguments.coordinate_rounding import EVIDENCE, significant_digits
 from packing.arguments.numbers import flag, shown
-from packing.rattlers import backbone, fewest_contacts
+from packing.contacts.rattlers import backbone, fewest_contacts
 from scaling.geometry.coarse_coordinates import force_rounding
 from scaling.geometry.network_data import NetworkData
 
@@ -28,8 +28,17 @@ _ROUNDING = 64 * np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Cut:
-    """The contacts (c,) to ``keep``, the loads ``external`` (N, 3) that stand for those cut, and
-    their relative rounding."""
+    """What is kept of a network, and what stands for the rest.
+
+    Attributes
+    ----------
+    keep : (c,) array of bool
+        The contacts that stay.
+    external : (N, 3) array
+        Loads, with those that stand for the contacts cut.
+    load_rounding : float
+        Relative rounding of these loads.
+    """
 
     keep: NDArray[np.bool_]
     external: Floats

@@ -15,15 +15,30 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arguments.arrays import Floats, Integers, real_array
+from packing.arguments.immutable import Immutable, read_only
 from packing.doubledouble import DoubleDouble, hypot, segment_sums
-from packing.immutable import Immutable, read_only
 from scaling.geometry.topology.loops import Loops
 
 
 @dataclass(frozen=True, eq=False)
 class LowParts:
-    """What doubles leave out of `positions` (N, 2), `radii` (N,) and `cell` (2, 2): value =
-    high + low. None: nothing."""
+    """What doubles leave out of positions, radii and cell: value = high + low.
+
+    Parameters
+    ----------
+    positions : (N, 2) array, optional
+        Of the centres. None: nothing is left out, here and below.
+    radii : (N,) array, optional
+        Of the radii.
+    cell : (2, 2) array, optional
+        Of the lattice vectors.
+
+    Examples
+    --------
+    >>> from scaling.geometry.high_precision import LowParts
+    >>> bool(LowParts()), bool(LowParts(radii=[1e-20, 0.0]))
+    (False, True)
+    """
 
     positions: ArrayLike | None = None
     radii: ArrayLike | None = None

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from packing.arguments.arrays import Floats, Integers, frozen
+from packing.arguments.immutable import Immutable
 from packing.boundary import Boundary, boundary_of
-from packing.immutable import Immutable
 from scaling.geometry.high_precision import Extended
 from scaling.geometry.shared import Shared
 from scaling.geometry.topology.loops import Loops
@@ -37,8 +37,8 @@ class NetworkData(Immutable):
     load_rounding: float
     """Rounding of the loads relative to themselves, where they come from rounded forces."""
     topology: Topology
-    """Forest, faces and windings of the contacts, kept when data change: noise moves grains, it
-    does not re-wire them."""
+    """Forest, faces and windings of the contacts. They are kept when data change: noise moves
+    grains, it does not re-wire them."""
     shared: Shared
     """What contacts and directions alone determine: matrices, factorisations. One for all
     networks that differ in sizes and loads only."""
@@ -61,7 +61,7 @@ class NetworkData(Immutable):
 
     @cached_property
     def degrees(self) -> Integers:
-        """(N,) contacts per grain; one with the grain's own image counts twice."""
+        """Contacts per grain, (N,); one with the grain's own image counts twice."""
         return frozen(np.bincount(self.pairs.ravel(), minlength=self.grains))
 
     @cached_property
@@ -98,17 +98,17 @@ class NetworkData(Immutable):
 
     @cached_property
     def tangents(self) -> Floats:
-        """(c, 2) normals turned by +90°."""
+        """Normals turned by +90°, (c, 2)."""
         return frozen(np.column_stack([-self.normals[:, 1], self.normals[:, 0]]))
 
     @cached_property
     def sigma(self) -> Floats:
-        """(c,) R_i + R_j."""
+        """Contact diameters σ = R_i + R_j, (c,)."""
         return frozen(self.radii[self.pairs].sum(axis=1))
 
     @cached_property
     def distances(self) -> Floats:
-        """(c,) centre to centre, r_e. ValueError when only directions were measured."""
+        """Distances of the centres r, (c,). ValueError when only directions were measured."""
         if self.positions is None:
             raise ValueError("distances need positions: this network has directions only")
         branch = self.boundary.branches(self.positions, self.pairs, self.images)
@@ -116,8 +116,10 @@ class NetworkData(Immutable):
 
     @property
     def overlaps(self) -> Floats:
-        """(c,) δ = σ - r. A difference of O(1) numbers: it loses log10(1/Δ) digits, unless
-        low parts hold them."""
+        """Overlaps δ = σ - r, (c,).
+
+        A difference of O(1) numbers: it loses log10(1/Δ) digits, unless low parts hold them.
+        """
         if self.positions is None:
             raise ValueError("overlaps need positions: this network has directions only")
         if self.extended is not None:

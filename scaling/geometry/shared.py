@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from typing import TypeVar
 
-from packing.immutable import read_only
+from packing.arguments.immutable import read_only
 
 T = TypeVar("T")
 

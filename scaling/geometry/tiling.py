@@ -7,13 +7,13 @@ large cell keeps an image. Forces, loads and pressure repeat, so they remain exa
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from packing import contact_list
-from packing.arguments.arrays import Floats
+from packing.arguments.arrays import Floats, Integers
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import instance, shown, whole_number
-from packing.lattice import forward
+from packing.contacts import contact_list
+from packing.contacts.lattice import forward
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.geometry.high_precision import NO_LOW_PARTS
 
@@ -22,29 +22,47 @@ _PER_GRAIN, _PER_CONTACT = 150, 300
 
 
 def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
-    """`copies` × `copies` times the periodic `network`; copy a holds grains a N ... a N + N - 1.
+    """Copies of a periodic network side by side, in a cell that is as many times as large.
 
-    Contacts stay in order within each copy; see `tiled_forces`. Directions that were measured, and
-    low parts, are repeated too. ValueError: no cell, no positions, or a number of copies that
-    is not 1, 2, ...
+    Parameters
+    ----------
+    network : ContactNetwork
+        A periodic network with positions.
+    copies : int
+        n >= 1 copies along each lattice vector, n² in all.
+
+    Returns
+    -------
+    ContactNetwork
+        Copy a holds grains a N ... a N + N - 1. Contacts stay in order within each copy; see
+        `tiled_forces`. Loads, directions that were measured and low parts are repeated too.
+
+    Raises
+    ------
+    ValueError
+        No cell, no positions, a number of copies that is not 1, 2, ..., or more grains than
+        memory holds.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scaling import ContactNetwork, tiled
+    >>> one = ContactNetwork(
+    ...     [(0.5, 0.5)], [0.5], [(0, 0), (0, 0)], cell=0.99 * np.eye(2), images=[(1, 0), (0, 1)]
+    ... )
+    >>> tiled(one, copies=3)
+    ContactNetwork(9 grains, 18 contacts, periodic)
     """
     instance("network", network, ContactNetwork)
-    n, N = whole_number("copies", copies, 1), network.grains
+    n = whole_number("copies", copies, 1)
     if network.cell is None:
         raise ValueError("an open network cannot be tiled: it has no cell")
     if network.positions is None:
         raise ValueError("tiling needs positions: this network has directions only")
-    _refuse_too_many(n, N, network.contacts)
+    _refuse_too_many(n, network.grains, network.contacts)
     place = np.array([[a, b] for a in range(n) for b in range(n)])
     x = (network.positions[None] + (place @ network.cell)[:, None]).reshape(-1, 2)
-    i, j = network.pairs.T
-    target = place[:, None, :] + network.images[None]
-    inside, images = target % n, target // n
-    first = (np.arange(n * n)[:, None] * N + i).ravel()
-    second = ((inside[..., 0] * n + inside[..., 1]) * N + j).ravel()
-    images = images.reshape(-1, 2)
-    swap = (first > second) | ((first == second) & ~forward(images))
-    pairs = np.column_stack([np.where(swap, second, first), np.where(swap, first, second)])
+    pairs, images, swap = _repeated_contacts(network, place, n)
     radii, cell = np.tile(network.radii, n * n), n * network.cell
     low, normals = NO_LOW_PARTS, None
     if network.extended is not None:
@@ -59,17 +77,61 @@ def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
         radii,
         pairs,
         cell=cell,
-        images=np.where(swap[:, None], -images, images),
+        images=images,
         external=np.tile(network.external, (n * n, 1)),
         normals=normals,
         low=low,
     )
 
 
-def tiled_forces(network: ContactNetwork, forces: ArrayLike, copies: int) -> Floats:
-    """The forces of `network`, (2c,) or (c,), in the order of the contacts of `tiled`.
+def _repeated_contacts(
+    network: ContactNetwork, place: Integers, n: int
+) -> tuple[Integers, Integers, NDArray[np.bool_]]:
+    """Pairs and images of all copies, and which contacts are walked the other way, for i <= j."""
+    N = network.grains
+    i, j = network.pairs.T
+    target = place[:, None, :] + network.images[None]
+    inside, images = target % n, target // n
+    first = (np.arange(n * n)[:, None] * N + i).ravel()
+    second = ((inside[..., 0] * n + inside[..., 1]) * N + j).ravel()
+    images = images.reshape(-1, 2)
+    swap = (first > second) | ((first == second) & ~forward(images))
+    pairs = np.column_stack([np.where(swap, second, first), np.where(swap, first, second)])
+    return pairs, np.where(swap[:, None], -images, images), swap
 
-    ValueError: another number of forces, one that is not finite, or of copies.
+
+def tiled_forces(network: ContactNetwork, forces: ArrayLike, copies: int) -> Floats:
+    """The forces of a network in the order of the contacts of its copies.
+
+    Parameters
+    ----------
+    network : ContactNetwork
+        The network that is repeated by `tiled`.
+    forces : (2c,) or (c,) array
+        Its forces: f_n then f_t, or f_n alone.
+    copies : int
+        n >= 1 copies along each lattice vector.
+
+    Returns
+    -------
+    (2 n² c,) or (n² c,) array
+        f_n of all contacts of ``tiled(network, copies)``, then f_t if it was given.
+
+    Raises
+    ------
+    ValueError
+        Another number of forces, one that is not finite, a number of copies that is not
+        1, 2, ..., or more grains than memory holds.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scaling import ContactNetwork, tiled_forces
+    >>> one = ContactNetwork(
+    ...     [(0.5, 0.5)], [0.5], [(0, 0), (0, 0)], cell=0.99 * np.eye(2), images=[(1, 0), (0, 1)]
+    ... )
+    >>> tiled_forces(one, [1.0, 2.0], copies=2).tolist()
+    [1.0, 2.0, 1.0, 2.0, 1.0, 2.0, 1.0, 2.0]
     """
     c = instance("network", network, ContactNetwork).contacts
     n = whole_number("copies", copies, 1)

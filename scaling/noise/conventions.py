@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
-from packing import contact_list
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import choice, generator, instance, number_from_zero, shown
+from packing.contacts import contact_list
 from packing.doubledouble import two_sum
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.geometry.high_precision import LowParts

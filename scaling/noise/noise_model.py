@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array, diags_array, issparse
 
-from packing import contact_list
 from packing.arguments.arrays import Floats, real_array
+from packing.arguments.immutable import Immutable, read_only
 from packing.arguments.numbers import instance, positive_number, real_number
-from packing.immutable import Immutable, read_only
+from packing.contacts import contact_list
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.conventions import (
     balance_response,

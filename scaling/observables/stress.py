@@ -11,22 +11,49 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from packing import contact_list
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import instance, positive_number, shown
+from packing.contacts import contact_list
 from scaling.geometry.contact_network import ContactNetwork
 
 
 def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = None) -> Floats:
-    """The (2, 2) stress tensor, force per length.
+    """Stress tensor of a network from its forces, compression positive.
 
     Parameters
     ----------
-    forces : (2c,) f_n then f_t, or (c,) f_n alone
-    area : what the forces are spread over; needed for an open network, which has no area of
-        its own, and refused for a periodic one, whose area is that of its cell
+    network : ContactNetwork
+        With positions, for the distances.
+    forces : (2c,) or (c,) array
+        f_n then f_t, or f_n alone.
+    area : float, optional
+        What the forces are spread over. It is needed for an open network, which has no area of
+        its own, and refused for a periodic one, whose area is that of its cell.
 
-    ValueError: another number of forces, one that is not finite, or a wrong area.
+    Returns
+    -------
+    (2, 2) array
+        σ_ab, force per length.
+
+    Raises
+    ------
+    ValueError
+        Another number of forces, one that is not finite, or a wrong area.
+
+    Notes
+    -----
+    σ_ab = (1/A) Σ_e r_e n_a (f_n n - f_t t)_b, the virial of the contacts; the pressure is half
+    its trace.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scaling import ContactNetwork, stress
+    >>> one = ContactNetwork(
+    ...     [(0.5, 0.5)], [0.5], [(0, 0), (0, 0)], cell=0.5 * np.eye(2), images=[(1, 0), (0, 1)]
+    ... )
+    >>> stress(one, [1.0, 3.0]).tolist()
+    [[2.0, 0.0], [0.0, 6.0]]
     """
     c = instance("network", network, ContactNetwork).contacts
     f, frictional = contact_list.forces(forces, c)

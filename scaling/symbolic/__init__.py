@@ -1,12 +1,13 @@
 """The theory in exact arithmetic: derived by sympy, every step checked by sympy.
 
-    derivation()      the Comment's argument as checked steps
-    triangle() ...    small networks with exact M, Q, G; `table()` of ranks and squared gains
-    perturbation      sizes and positions to second order; common-mode noise
-    hertz, series     general contact laws beyond linear order
-    bridge            the one way to NumPy
+    derivation()           the Comment's argument as checked steps
+    triangle() ...         small networks with exact M, Q, G; `table()` of ranks and squared gains
+    perturbation_steps()   noise in sizes and positions to second order
+    common_mode_steps()    a factor common to all sizes
+    inputs.hertz, loops.hertz_series   contact laws beyond linear order
+    numeric.lambdify       the one way to NumPy
 
-Imported explicitly: `import scaling` does not load sympy.
+This package is imported explicitly: `import scaling` does not load sympy.
 """
 
 from scaling.symbolic.argument.common_mode import common_mode_steps
@@ -20,7 +21,8 @@ from scaling.symbolic.loops.closed_forms import (
     triangle_gain,
 )
 from scaling.symbolic.loops.fourier import ring_squared_gain
-from scaling.symbolic.loops.gain import loop_gaps, null_space, pseudo_inverse, rank, squared_gain
+from scaling.symbolic.loops.gain import loop_gaps, squared_gain
+from scaling.symbolic.loops.linear_algebra import null_space, pseudo_inverse, rank
 from scaling.symbolic.loops.named_networks import bowtie, rhombus, ring, square, triangle, wheel
 from scaling.symbolic.loops.symbolic_network import SymbolicNetwork
 from scaling.symbolic.loops.table import table

@@ -13,78 +13,17 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from packing import contact_list
 from packing.arguments.arrays import real_array
 from packing.arguments.numbers import flag, instance, positive_number
 from packing.contact_law import ContactLaw
-from scaling.equation.force_equation import force_equation
+from packing.contacts import contact_list
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.conventions import check_noise
-from scaling.noise.noise_model import noise_model
-from scaling.uncertainty.linear_response import asked_for, dependence, response
+from scaling.uncertainty.gain import gain
+from scaling.uncertainty.linear_response import dependence
 from scaling.uncertainty.relative_error import mean_force
-
-
-def gain(
-    network: ContactNetwork,
-    method: str = "gppsz",
-    noise: str = "diameter",
-    *,
-    frictional: bool = True,
-    winding: bool = False,
-    forces: ArrayLike | None = None,
-    stiffness: ArrayLike | ContactLaw | None = None,
-) -> float:
-    """K, a length: E_rms = K κ ξ/⟨|f|⟩ for independent noise of strength ξ.
-
-    Parameters
-    ----------
-    network : ContactNetwork
-        Without noise
-    method : str
-        "gppsz", "direct", "transverse" (uses no sizes: 0 for size noise), "balanced" or
-        "optimal"
-    noise : str
-        "diameter", "radius", "relative" or "position"
-    frictional : bool
-        False: c normal forces, no torques
-    winding : bool
-        With the windings among the loops (gppsz only)
-    forces, stiffness : array_like
-        See `error_map`
-
-    Returns
-    -------
-    float
-        ‖E‖_F/√(2c), √c without friction. The whole of E is never held.
-
-    Raises
-    ------
-    ValueError
-        Bad input, an argument not used, or an equation without a unique solution.
-
-    Notes
-    -----
-    K/⟨σ⟩ is geometric; see `scaling.uncertainty.error_map`.
-
-    Examples
-    --------
-    >>> from scaling import ContactNetwork, gain
-    >>> triangle = ContactNetwork(
-    ...     [[0, 0], [1, 0], [0.5, 0.75**0.5]], [0.5] * 3, [(0, 1), (1, 2), (0, 2)])
-    >>> f"{gain(triangle):.4f} = √(17/294)"
-    '0.2405 = √(17/294)'
-    """
-    instance("network", network, ContactNetwork)
-    check_noise(noise)
-    made = asked_for(method, {}, frictional, winding)
-    equation = force_equation(network, frictional, winding)
-    model = noise_model(network, noise)
-    found = response(made, equation, model, kind=noise, forces=forces, stiffness=stiffness)
-    return float(np.sqrt(np.sum(found.squares()) / equation.unknowns))
 
 
 def amplification(

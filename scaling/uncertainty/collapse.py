@@ -7,7 +7,7 @@ so that all packings fall on one line when ξ is divided by their Δ, and on non
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from packing import contact_list
 from packing.arguments.arrays import Floats, real_array
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import generator, positive_number, real_number, shown, whole_number
+from packing.contacts import contact_list
 from packing.packing_like import fields_of
 from scaling.equation.force_equation import force_equation
 from scaling.estimators.table import informed, linear_names
@@ -119,14 +119,8 @@ def collapse(
     rows: list[tuple] = []
     for k, (packing, child) in enumerate(zip(packings, rng.spawn(len(packings)), strict=True)):
         truth = _Truth.of(packing, method, noise)
-        for ratio, stream in zip(ratios, child.spawn(len(ratios)), strict=True):
-            ξ = float(ratio * truth.delta)
-            if ξ > xi_max:
-                continue
-            for draw, source in enumerate(stream.spawn(draws)):
-                with suppress(NonPositiveRadius):
-                    errors = truth.errors(perturb(truth.network, ξ, source, noise), ξ)
-                    rows.append((k, truth.delta, ξ, ratio, draw, *errors, truth.C))
+        of_packing = truth.drawn(ratios, child, draws, xi_max)
+        rows += [(k, truth.delta, *row, truth.C) for row in of_packing]
     return np.array(rows, dtype=TABLE)
 
 
@@ -152,6 +146,19 @@ class _Truth:
         delta = positive_number("delta", more["delta"])
         C = amplification_of(packing, method, noise)
         return cls(network, true, frictional, more["stiffness"], delta, method, noise, C)
+
+    def drawn(
+        self, ratios: Floats, rng: np.random.Generator, draws: int, xi_max: float
+    ) -> Iterator[tuple[float, float, int, float, float]]:
+        """ξ, ξ/Δ, the number of the draw, and its errors."""
+        for ratio, stream in zip(ratios, rng.spawn(len(ratios)), strict=True):
+            ξ = float(ratio * self.delta)
+            if ξ > xi_max:
+                continue
+            for draw, source in enumerate(stream.spawn(draws)):
+                with suppress(NonPositiveRadius):
+                    noisy = perturb(self.network, ξ, source, self.noise)
+                    yield ξ, ratio, draw, *self.errors(noisy, ξ)
 
     def errors(self, noisy: ContactNetwork, xi: float) -> tuple[float, float]:
         """E, of all components and of the normal ones; the method is told what it asks for."""

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 from packing.contact_law import ContactLaw
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.uncertainty.error_map import ErrorMap
-from scaling.uncertainty.linear_response import error_map
+from scaling.uncertainty.map_of_method import error_map
 
 
 def cramer_rao(

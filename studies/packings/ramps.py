@@ -68,7 +68,7 @@ def growth(task: tuple[float, int, int]) -> float:
     """What φ has grown by over Δ = 1e-3 → 1e-1 → 1e-3 at a rate d ln p/dt of the sweep."""
     rate, grains, seed = task
     start = relax(Scene(grains, 1e-3), seed, progress=False)
-    with patch.object(import_module("dem.protocols.ramp"), "RATE", rate):
+    with patch.object(import_module("dem.protocols.stage"), "RATE", rate):
         last = ramp(start, [1e-1, 1e-3], settings=Settings(), progress=False)[-1]
     return last.solid_fraction - start.solid_fraction
 

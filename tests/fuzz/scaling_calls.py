@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 import scaling
+from scaling.estimators import Bounded
 from scaling.estimators.bounded import posterior, prior
 from scaling.geometry.high_precision import LowParts
 from scaling.noise import conventions
 from scaling.noise.noise_model import noise_model
 from scaling.uncertainty import collapse, credible_intervals, prefactor
 from scaling.uncertainty.exact_draws import truncated_draws
+from scaling.uncertainty.projected_draws import posterior_draws
 from studies import contact_lists
 from tests.fuzz.calls import Arguments, Call
 from tests.fuzz.samples import cellular, problem, sample
@@ -73,6 +75,27 @@ def _reconstruct(rng: Rng) -> Arguments:
         if given["solver"] == "lsmr":
             given["tol"] = 1e-10
     return given
+
+
+def _two_materials(rng: Rng) -> Arguments:
+    s = sample(rng)
+    return {
+        "network": s.network, "stiffness": rng.uniform(1.0, 3.0, s.network.contacts),
+        "method": _pick(rng, "gppsz", "direct", "balanced"), "frictional": s.frictional,
+    }  # fmt: skip
+
+
+def _intervals(network: Any, stiffness: Any, rng: Any, **known: Any) -> Any:
+    equation = scaling.force_equation(network).with_law(stiffness)
+    return scaling.credible_intervals(Bounded(**known), equation, rng, draws=4, level=0.5)
+
+
+def _told(rng: Rng) -> Arguments:
+    s = cellular(rng)
+    return {
+        "network": s.network, "stiffness": 1.0, "rng": _seeded(rng), "friction": 0.3, "xi": 1e-2,
+        "pressure": s.pressure, "data": _pick(rng, "all", "sizes"),
+    }  # fmt: skip
 
 
 def _map(rng: Rng) -> Arguments:
@@ -236,6 +259,8 @@ SCALING: tuple[Call, ...] = (
         steady=("network",),
     ),
     Call("reconstruct", scaling.reconstruct, _reconstruct, 6, seconds=20.0),
+    Call("reconstruct (two materials)", scaling.reconstruct, _two_materials, 2, seconds=20.0),
+    Call("credible_intervals", _intervals, _told, 0.3, seconds=30.0),
     Call("relative_error", scaling.relative_error, _errors, 2),
     Call(
         "mean_force",
@@ -327,7 +352,7 @@ SCALING: tuple[Call, ...] = (
     Call("Prior", prior.Prior, lambda g: {"mean": 1.0, "normal": 1.0, "tangential": 0.5}, 0.5),
     Call(
         "posterior_draws",
-        lambda draws, rng: credible_intervals.posterior_draws(problem(), rng, draws),
+        lambda draws, rng: posterior_draws(problem(), rng, draws),
         lambda g: {"rng": _seeded(g), "draws": 2},
         0.15,
         seconds=30.0,

@@ -8,6 +8,7 @@ DISKS = ("tests/dem/motion/test_two_disks.py",)
 MOTION = ("tests/dem/motion/test_motion.py",)
 POLISH = ("tests/dem/balance/test_newton.py",)
 EXTENDED = ("tests/dem/protocols/test_stiffen.py",)
+RATTLERS = ("tests/packing/contacts/test_rattlers.py",)
 PACKING = ("tests/packing/test_record.py",)
 
 DEM = (
@@ -83,17 +84,17 @@ DEM = (
     ),
     Mutation(
         "rattlers: one contact more",
-        "packing/rattlers.py",
+        "packing/contacts/rattlers.py",
         "return 2 if frictional else 3",
         "return 2 if frictional else 2",
-        POLISH,
+        RATTLERS,
     ),
     Mutation(
         "rattlers: taken off once",
-        "packing/rattlers.py",
+        "packing/contacts/rattlers.py",
         "        bearing &= ~drop\n",
         "        return bearing & ~drop\n",
-        POLISH,
+        RATTLERS,
     ),
     Mutation(
         "extended precision: cell grows as it should shrink",

@@ -193,7 +193,7 @@ SCALING = (
         "studies/contact_lists.py",
         " + np.sum(np.delete(true, t, axis=1) ** 2)",
         "",
-        ("tests/packing/test_contact_search.py",),
+        ("tests/packing/contacts/test_contact_search.py",),
     ),
     Mutation(
         "stiffness response: sign",
@@ -204,10 +204,10 @@ SCALING = (
     ),
     Mutation(
         "own image: one of the two left out",
-        "packing/lattice.py",
+        "packing/contacts/lattice.py",
         "(images[:, 0] > 0) | ((images[:, 0] == 0) & (images[:, 1] > 0))",
         "images[:, 0] > 0",
-        ("tests/packing/test_contact_search.py", "tests/scaling/geometry/test_tiling.py"),
+        ("tests/packing/contacts/test_contact_search.py", "tests/scaling/geometry/test_tiling.py"),
     ),
     Mutation(
         "least squares: refinement away from the solution",

@@ -11,8 +11,9 @@ import pytest
 from packing import progress
 from scaling import error_map, reconstruct
 from scaling.estimators.bounded.posterior import posterior
-from scaling.uncertainty.credible_intervals import posterior_draws, posterior_intervals
+from scaling.uncertainty.credible_intervals import posterior_intervals
 from scaling.uncertainty.exact_draws import truncated_draws
+from scaling.uncertainty.projected_draws import posterior_draws
 from tests.conftest import packing
 from tests.scaling.packings import network_of
 

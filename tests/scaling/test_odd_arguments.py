@@ -13,11 +13,11 @@ from scaling.noise.noise_model import noise_model
 from scaling.uncertainty.credible_intervals import (
     coverage,
     enclosing,
-    posterior_draws,
     posterior_intervals,
     widened,
 )
 from scaling.uncertainty.exact_draws import truncated_draws
+from scaling.uncertainty.projected_draws import posterior_draws
 from tests.conftest import packing
 from tests.scaling.packings import network_of
 

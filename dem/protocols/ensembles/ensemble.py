@@ -81,10 +81,7 @@ def relax_ensemble(
     keys = [packing_key(scene, seed, settings) for scene, seed in tasks]
     run = Run(tasks, keys, partial(relax, settings=settings), Store.at(store))
     with packings_bar(len(tasks), len(run.done), progress) as bar:
-        if executor is None:
-            run.here(progress, bar)
-        else:
-            run.on(executor, bar)
+        run.here(progress, bar) if executor is None else run.on(executor, bar)
     return [run.done[k] for k in range(len(tasks))]
 
 

@@ -77,7 +77,7 @@ def program_of(
     moments = csr_array((equation.M.shape[0], 0))
     if equation.frictional:
         moments = global_moments(equation.network)
-    turning, data, effect, found = _data(p, last / f0, strength / g, g)
+    turning, data, effect, found = data_rows(p, last / f0, strength / g, g)
     gaps = csr_array((len(found), c if p.gaps else 0))
     if p.gaps:
         gaps = csr_array(-eye_array(c))
@@ -133,7 +133,7 @@ def _curvature(p: Posterior) -> tuple[Floats, Floats]:
     return mean, np.sqrt(2) * mean
 
 
-def _data(
+def data_rows(
     p: Posterior, φ: Floats, strength: float, g: float
 ) -> tuple[csr_array, csr_array, csr_array, Floats]:
     """(turning of the directions, rows for f, rows for g η, data) in units of f̄."""

@@ -35,14 +35,14 @@ def misfit_of_optimal(
 
 def conditions_on_noise(equation: ForceEquation, noise: NoiseModel, φ: Floats, data: str) -> int:
     """d, the number of independent conditions that the noise alone has to meet."""
-    acting, free = _conditions(equation, noise, φ, data)
+    acting, free = acting_and_free(equation, noise, φ, data)
     if acting.shape[0] <= DENSE_UP_TO:
-        every = np.hstack([_scaled(acting).toarray(), free.toarray()])
+        every = np.hstack([scaled(acting).toarray(), free.toarray()])
         return _rank(every) - _rank(free.toarray())
     return _counted(equation, noise, acting, free, data)
 
 
-def _conditions(
+def acting_and_free(
     equation: ForceEquation, noise: NoiseModel, φ: Floats, data: str
 ) -> tuple[csr_array, csr_array]:
     """Columns of the conditions for the noise, and for what is free."""
@@ -57,7 +57,7 @@ def _conditions(
     return acting, csr_array(hstack([matrices.M_tangential, global_moments(network)]))
 
 
-def _scaled(columns: csr_array) -> csr_array:
+def scaled(columns: csr_array) -> csr_array:
     """With columns of length 1: noise of mixed strengths counts alike."""
     length = np.sqrt(np.asarray(columns.multiply(columns).sum(axis=0)).ravel())
     return csr_array(columns @ diags_array(1 / np.where(length > 0, length, 1.0)))

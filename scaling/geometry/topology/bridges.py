@@ -1,9 +1,10 @@
 """Contacts whose loss would cut their component in two: those that lie on no loop.
 
 A contact outside the spanning tree closes one loop, which covers the tree contacts between its
-two ends. Give each such contact a random 64-bit number at both ends: the exclusive or over all
-grains beyond a tree contact is what the loops that cover it leave there, and 0 where none does
-(but for a chance of 2^-64). Only the graph enters, no direction: contacts may cross.
+two ends. Each such contact gets a random 64-bit number, held by the grains at both its ends. The
+exclusive or over all grains beyond a tree contact is what the loops that cover it leave there. It
+is 0 where none does, but for a chance of 2^-64. Only the graph enters, no direction: contacts may
+cross.
 """
 
 from __future__ import annotations

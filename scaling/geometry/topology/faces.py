@@ -7,9 +7,10 @@ half-edge that follows clockwise after the one just used (turned back): it keeps
 left, so a bounded face is walked counter-clockwise. Only directions are needed, and the rule
 works on a torus, where a planarity routine does not.
 
-What a walk encloses follows from its total turning, again from directions alone: +2π a
-bounded face, -2π the outside of an open component, 0 a ribbon round the cell. Summed over all
-walks the turnings give 2π (E - V), so "every face turns by 2π" is Euler's count.
+What a walk encloses follows from its total turning, again from directions alone. A bounded face
+turns by +2π, the outside of an open component by -2π, a ribbon round the cell by 0. Summed over
+all walks the turnings give 2π (E - V), with E contacts and V grains, so "every face turns by 2π"
+is Euler's count.
 """
 
 from __future__ import annotations

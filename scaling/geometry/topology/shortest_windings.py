@@ -1,11 +1,11 @@
 """The two shortest loops that wind a periodic cell: the windings of the equation.
 
 Least squares weighs rows, so two loops that wind alike but take other ways give other forces from
-noisy sizes. The shortest ones are a matter of the packing alone: of neither the numbering nor the
-lattice vectors by which its cell is described. Two loops on a torus that are not parallel meet,
-in a grain where contacts do not cross; so the shortest loop not parallel to a given one passes
-through a grain of it, and taking turns ends at the two shortest. That is O(√N) searches for
-shortest paths: 0.03 s for 300 grains, 3 s for 10⁴.
+noisy sizes. The shortest ones are a matter of the packing alone: neither of its numbering nor of
+the lattice vectors by which its cell is described. Two loops on a torus that are not parallel
+meet. Where contacts do not cross, they meet in a grain. The shortest loop not parallel to a given
+one therefore passes through a grain of it, and taking turns ends at the two shortest. That is
+O(√N) searches for shortest paths: 0.03 s for 300 grains, 3 s for 10⁴.
 """
 
 from __future__ import annotations

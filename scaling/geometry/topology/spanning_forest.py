@@ -6,7 +6,8 @@ whose winding is what its image keeps after unwrapping,
 
     w_e = m_e - (shift_j - shift_i) .
 
-A component with all w_e = 0 is open; one whose w_e span a line winds in one direction.
+m_e is the image of the contact. A component with all w_e = 0 is open; one whose w_e span a line
+winds in one direction.
 """
 
 from __future__ import annotations
@@ -27,12 +28,17 @@ class Forest:
 
     Attributes
     ----------
-    component : (N,) label; a grain without contacts is a component of its own
-    parent, edge, sign : (N,) the grain before i, the contact that leads from it to i and the
-        direction of travel; at a root the grain itself, -1 and 0
-    shift : (N, 2) integers: x_i + shift_i @ cell are unwrapped positions
-    winding : (c, 2) integers, w_e: zero for the contacts of the tree
-    winding_rank : per component, the number of directions in which it winds: 0, 1 or 2
+    component : (N,) array of int
+        Label; a grain without contacts is a component of its own.
+    parent, edge, sign : (N,) array of int
+        The grain before i, the contact that leads from it to i, and the direction of travel. At
+        a root the grain itself, -1 and 0.
+    shift : (N, 2) array of int
+        x_i + shift_i @ cell are unwrapped positions.
+    winding : (c, 2) array of int
+        w_e, zero for the contacts of the tree.
+    winding_rank : array of int
+        For each component the number of directions in which it winds: 0, 1 or 2.
     """
 
     component: Integers

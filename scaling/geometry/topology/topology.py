@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from packing.immutable import Immutable, read_only
+from packing.arguments.immutable import Immutable, read_only
 from scaling.geometry.topology.bridges import bridges
 from scaling.geometry.topology.faces import faces
 from scaling.geometry.topology.loops import Loops

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from packing.arguments.arrays import Floats, Integers
-from packing.immutable import Immutable
+from packing.arguments.immutable import Immutable
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,11 +18,16 @@ class Wiring(Immutable):
 
     Attributes
     ----------
-    grains : N
-    pairs, images : (c, 2) as in `ContactNetwork`
-    normals : (c, 2) directions from i to j
-    lengths : (c,) by which loops are short or long: r, or σ where only directions are known
-    periodic : whether there is a cell
+    grains : int
+        N.
+    pairs, images : (c, 2) array of int
+        As in `ContactNetwork`.
+    normals : (c, 2) array
+        Directions from i to j.
+    lengths : (c,) array
+        By which loops are short or long: r, or σ where only directions are known.
+    periodic : bool
+        Whether there is a cell.
     """
 
     grains: int

@@ -4,9 +4,10 @@
     faces + windings the winding rows change by ε Q_w|σ⟩/Δ = ε(Λ/Δ + O(1))   amplified, ε/Δ
     direct           δf̂ = ε σ/Δ                                          amplified, ε/Δ
 
-Sizes that are all too large by the same factor still close around every face: only a rigid
-length, the cell's Λ or a measured distance, can tell.  An open network with known loads has
-faces only, so it is harmless there.
+Q is the closure matrix, σ the contact diameters, f̂ the forces in units of the pressure, and Λ the
+lattice vector of a loop that winds.  Sizes that are all too large by the same factor still close
+around every face.  Only a rigid length can tell: the cell's Λ, or a measured distance.  An open
+network with known loads has faces only, so the factor is harmless there.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from scaling.symbolic.inputs import contact_law
 from scaling.symbolic.inputs.closure import closure_matrix
 from scaling.symbolic.inputs.contact_law import Delta, alpha
 from scaling.symbolic.inputs.equilibrium import balance_matrix
-from scaling.symbolic.loops.gain import pseudo_inverse
+from scaling.symbolic.loops.linear_algebra import pseudo_inverse
 from scaling.symbolic.loops.named_networks import EAST, triangle
 from scaling.symbolic.loops.number_field import ExactField
 from scaling.symbolic.loops.symbolic_network import SymbolicNetwork
@@ -77,7 +78,25 @@ def chain_defects(grains: int) -> tuple[Expr, ...]:
 
 
 def common_mode_steps() -> tuple[Step, ...]:
-    """Where a common factor is harmless and where 1/Δ amplifies it, machine-checked."""
+    """Where a common factor of all sizes is harmless, and where 1/Δ amplifies it.
+
+    Returns
+    -------
+    tuple of Step
+        Three steps: faces, windings and the direct method.
+
+    Notes
+    -----
+    All sizes are wrong by the factor 1 + ε. Around faces the data Q|σ⟩/Δ change by ε Q|f̂_n⟩,
+    without 1/Δ. Around the cell, and in forces read off overlaps, the change is O(ε/Δ). The
+    derivation is in `scaling.symbolic.argument.common_mode`.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import common_mode_steps
+    >>> [(step.name, step.holds) for step in common_mode_steps()]
+    [('faces', True), ('windings', True), ('direct method', True)]
+    """
     network = triangle()
     f = Matrix(sp.symbols("f1:4", positive=True))
     touching = network.sigma

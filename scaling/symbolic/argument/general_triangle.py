@@ -38,12 +38,18 @@ def corners(first: Expr, second: Expr) -> tuple[Vector, Vector, Vector]:
 class GeneralTriangle:
     """Three grains, their forces and loads, all symbols.
 
-    Attributes:
-        network: the touching grains; `G`, `Q`, `M` are its matrices.
-        centres, r: corners, and distances along the contacts.
-        f_n, f_t, f: contact forces.
-        loads: F_ext that hold them, from the forces' points of application.
-        radii: free radii R_i, for statements at finite overlap.
+    Attributes
+    ----------
+    network : SymbolicNetwork
+        The touching grains; `G`, `Q` and `M` are its matrices.
+    centres : tuple of (Expr, Expr)
+        The corners.
+    r : Matrix
+        (3, 1) distances along the contacts.
+    f_n, f_t, f : Matrix
+        Contact forces: normal (3, 1), transverse (3, 1), and one above the other.
+    radii : tuple of Symbol
+        Free radii R_i, for statements at finite overlap.
     """
 
     def __init__(self) -> None:

@@ -16,7 +16,7 @@ Size noise alone leaves directions, hence G, as they are: A = ρ₂ = 0, f₂ = 
 exact.  E[f₁] = 0, so the bias is E[f₂] ~ ξ²/Δ (per unit p).
 
 The formulas use only @, + and .T: they act alike on sympy matrices and on NumPy arrays.  That they
-hold is checked in `noisy_triangle`, on matrices and on a triangle that is displaced.
+hold is checked in `perturbation_steps`, on matrices and on a triangle that is displaced.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ epsilon = sp.Symbol("epsilon", real=True)
 def contact_expansion(order: int = 2) -> tuple[tuple[Expr, Expr, Expr], ...]:
     """Change of a contact when its grains move by a relative ε(u_n n + u_t t).
 
-    For each order k = 1, 2: (δr, n·δn, t·δn), from r' = |r n + ε u| and n' = (r n + ε u)/r'.
+    It is (δr, n·δn, t·δn) for each order k = 1, 2, from r' = |r n + ε u| and n' = (r n + ε u)/r'.
     """
     new_distance = sp.sqrt((distance + epsilon * along) ** 2 + (epsilon * across) ** 2)
     quantities = (

@@ -114,22 +114,49 @@ class DisplacedTriangle:
 
 
 def perturbation_steps() -> tuple[Step, ...]:
-    """Return the expansion as machine-checked steps."""
+    """The error of the forces to second order in the noise, as checked steps.
+
+    Returns
+    -------
+    tuple of Step
+        The exact error, the residuals it comes from, its first and its second order.
+
+    Notes
+    -----
+    With noisy data the solution f' misses the true forces f by
+
+        f' - f = G'⁺ρ' = f₁ + f₂ + O(ε³),      ρ' = t' - G'f = ερ₁ + ε²ρ₂,      G' = G + εA,
+        f₁ = G⁺ρ₁,      f₂ = (GᵀG)⁻¹[Gᵀ(ρ₂ - A f₁) + Aᵀ(ρ₁ - G f₁)] .
+
+    The formulas are those of `scaling.symbolic.argument.perturbation`.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import perturbation_steps
+    >>> steps = perturbation_steps()
+    >>> [step.name for step in steps if "residual" in step.name]
+    ['balance residual', 'closure residual']
+    >>> steps[3].statement, steps[3].holds
+    ('f₁ = G⁺ρ₁ satisfies the normal equations to order ε.', True)
+    """
     matrices, moved = NoisyLeastSquares(), DisplacedTriangle()
-    first, second = matrices.normal_equations()
-    exact, expanded = moved.residual(), moved.expanded()
+    exact = Step(
+        "exact error",
+        "The noisy solution misses the truth by G'⁺ applied to the truth's residual.",
+        r"f'-f=G'^{+}(t'-G'f)=G'^{+}(\delta t-\delta G\,f)",
+        "t' = Gf + δt and G' = G + δG; G'⁺G' = 1",
+        matrices.exact_error(),
+    )
+    expanded = moved.expanded()
+    return (exact, *residual_steps(moved, expanded), *order_steps(matrices, moved, expanded[1]))
+
+
+def residual_steps(moved: DisplacedTriangle, expanded: tuple[Matrix, Matrix]) -> tuple[Step, ...]:
+    """The residual of the true forces in the noisy equation, to second order."""
+    exact = moved.residual()
     differences = [exact[order] - expanded[order] for order in (0, 1)]
-    at_rest = dict.fromkeys([x for move in moved.moves for x in move], 0)
     rows = 3 * moved.network.grains
-    still = dict.fromkeys([*matrices.A, *matrices.rho[1]], 0)
     return (
-        Step(
-            "exact error",
-            "The noisy solution misses the truth by G'⁺ applied to the truth's residual.",
-            r"f'-f=G'^{+}(t'-G'f)=G'^{+}(\delta t-\delta G\,f)",
-            "t' = Gf + δt and G' = G + δG; G'⁺G' = 1",
-            matrices.exact_error(),
-        ),
         Step(
             "balance residual",
             "In the balance rows position noise enters as -δM f, without 1/Δ.",
@@ -145,6 +172,17 @@ def perturbation_steps() -> tuple[Step, ...]:
             "a displaced triangle, to second order",
             tuple(x for order in differences for x in order[rows:]),
         ),
+    )
+
+
+def order_steps(
+    matrices: NoisyLeastSquares, moved: DisplacedTriangle, second_residual: Matrix
+) -> tuple[Step, ...]:
+    """First and second order of the error, and that size noise alone has no second."""
+    first, second = matrices.normal_equations()
+    at_rest = dict.fromkeys([x for move in moved.moves for x in move], 0)
+    still = dict.fromkeys([*matrices.A, *matrices.rho[1]], 0)
+    return (
         Step(
             "first order",
             "f₁ = G⁺ρ₁ satisfies the normal equations to order ε.",
@@ -166,7 +204,7 @@ def perturbation_steps() -> tuple[Step, ...]:
             "A = ρ₂ = 0; δσ meets second order only where centres move too",
             (
                 *matrices.second.subs(still),
-                *expanded[1].subs(at_rest),
+                *second_residual.subs(at_rest),
             ),
         ),
     )

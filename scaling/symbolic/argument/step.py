@@ -8,14 +8,15 @@ import sympy as sp
 from sympy import Expr
 from sympy.core.function import AppliedUndef
 
-#: thirty digits are evaluated: what is larger is not zero
+#: Thirty digits are evaluated: what is larger is not zero.
 TINY = sp.Float("1e-15")
 
 
 def vanishes(difference: Expr) -> bool:
     """Whether sympy finds an expression to be zero for all values of its symbols.
 
-    One value that is not zero settles the matter without simplifying, which may take minutes.
+    One value that is not zero settles the matter. Simplifying, which may take minutes, is then
+    not needed.
     """
     difference = sp.sympify(difference)
     if difference.is_Number:
@@ -31,14 +32,36 @@ def vanishes(difference: Expr) -> bool:
 
 @dataclass(frozen=True)
 class Step:
-    """One step of the derivation.
+    """One step of a derivation, with the differences that prove it.
 
-    Attributes:
-        name: short handle, unique.
-        statement: what is claimed, in words.
-        latex: the formula.
-        because: what it follows from.
-        check: differences that must all vanish.
+    Parameters
+    ----------
+    name : str
+        A short handle, unique within its derivation.
+    statement : str
+        What is claimed, in words.
+    latex : str
+        The formula.
+    because : str
+        What it follows from.
+    check : tuple of sympy.Expr
+        Differences that must all vanish.
+
+    Attributes
+    ----------
+    holds : bool
+        Whether sympy simplifies every difference to zero. A step without any does not hold.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from scaling.symbolic import Step
+    >>> x = sp.Symbol("x")
+    >>> square = (x + 1) ** 2 - x**2 - 2 * x - 1
+    >>> Step("square", "A square expands.", "(x+1)^2=x^2+2x+1", "products", (square,)).holds
+    True
+    >>> Step("wrong", "A square is a cube.", "x^2=x^3", "nothing", (x**2 - x**3,)).holds
+    False
     """
 
     name: str

@@ -9,7 +9,7 @@
 A grain is at rest when its contact forces and its load F_ext cancel, M|f⟩ = -|F_ext⟩.
 Torque rows are divided by R_i, so every row is a force and M contains no sizes.
 M is not typed in: its columns are the resultants, below, of one unit force each.  That these
-signs and arms are right is for `statics` to say, which starts from the motions of grains.
+signs and arms are right is for `statics_steps` to say, which starts from the motions of grains.
 """
 
 from __future__ import annotations

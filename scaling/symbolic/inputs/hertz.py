@@ -6,9 +6,10 @@ of radius a: the displacement is parabolic, as two touching spheres demand, and
 
     F = E √σ δ^{3/2} / (3(1-ν²))          equal spheres of diameter σ, one material.
 
-With F = p σ² (p force per area) the deformation scale is δ/σ = (3(1-ν²) p/E)^{2/3}: this is
-the definition that gives Δ = (p/E)^{2/3} its prefactor (3(1-ν²))^{2/3}.  2D Hertz therefore
-means a monolayer of spheres: parallel elastic disks (cylinders) are linear up to a logarithm.
+Here E is the Young modulus and ν the Poisson ratio.  With F = p σ² (p force per area) the
+deformation scale is δ/σ = (3(1-ν²) p/E)^{2/3}.  This is the definition that gives Δ = (p/E)^{2/3}
+its prefactor (3(1-ν²))^{2/3}.  2D Hertz therefore means a monolayer of spheres: parallel elastic
+disks (cylinders) are linear up to a logarithm.
 
 Source: K. L. Johnson, Contact Mechanics (1985), sections 3.4, 4.2 and 5.6.
 """

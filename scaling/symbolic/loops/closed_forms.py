@@ -1,8 +1,8 @@
 """Gains in the variables of the picture: radii of a triangle, the sine of an angle.
 
 `gain` works in u = tan(θ/2), where everything is rational.  What is symmetric under
-θ → π - θ (u → 1/u) depends on sin θ alone; a triangle's half angles are inradius/R_i.  Both
-translations are checked by translating back.
+θ → π - θ (u → 1/u) depends on sin θ alone.  The tangents of a triangle's half angles are
+inradius/R_i.  Both translations are checked by translating back.
 """
 
 from __future__ import annotations
@@ -118,23 +118,137 @@ def _symmetrised_ratio(ratio: Expr) -> Expr:
 
 @checked_once(frictional=flag)
 def triangle_gain(frictional: bool = True) -> Expr:
-    """K² of three touching grains in the elementary symmetric functions of their radii."""
+    """Squared gain K² of three touching grains, in their radii.
+
+    Parameters
+    ----------
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+
+    Returns
+    -------
+    Expr
+        K² for noise on the diameters, in the elementary symmetric functions of the radii:
+        e1 = R1 + R2 + R3, e2 = R1 R2 + R1 R3 + R2 R3 and e3 = R1 R2 R3.
+
+    Raises
+    ------
+    ValueError
+        `frictional` is no truth value.
+
+    Notes
+    -----
+    It is `squared_gain` of `triangle`, translated by `in_radii`.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import triangle_gain
+    >>> from scaling.symbolic.loops.closed_forms import elementary
+    >>> equal = dict(zip(elementary, (3, 3, 1)))  # R1 = R2 = R3 = 1
+    >>> triangle_gain(frictional=False).subs(equal)
+    1/24
+    """
     return in_radii(squared_gain(triangle(), frictional))
 
 
 @checked_once(frictional=flag)
 def square_gain(frictional: bool = True) -> Expr:
-    """K² of four equal grains in a ring, in s = sin φ of the corner angle."""
+    """Squared gain K² of four equal grains in a ring, in the sine of the corner angle φ.
+
+    Parameters
+    ----------
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+
+    Returns
+    -------
+    Expr
+        K² for noise on the diameters, in s = sin φ.
+
+    Raises
+    ------
+    ValueError
+        `frictional` is no truth value.
+
+    Notes
+    -----
+    It is `squared_gain` of `square`, translated by `in_sine`.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import square_gain
+    >>> from scaling.symbolic.loops.closed_forms import sine
+    >>> square_gain(frictional=False).subs(sine, 1)  # right angles
+    1/16
+    """
     return in_sine(squared_gain(square(), frictional))
 
 
 @checked_once(frictional=flag)
 def rhombus_gain(frictional: bool = True) -> Expr:
-    """K² of four grains with five contacts, in s = sin ψ = R_0/(R_0 + R_2)."""
+    """Squared gain K² of four grains with five contacts, in the sine of the angle ψ.
+
+    Parameters
+    ----------
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+
+    Returns
+    -------
+    Expr
+        K² for noise on the diameters, in s = sin ψ = R_0/(R_0 + R_2). R_0 is the radius of the
+        two grains that touch across the middle, R_2 that of the others.
+
+    Raises
+    ------
+    ValueError
+        `frictional` is no truth value.
+
+    Notes
+    -----
+    It is `squared_gain` of `rhombus`, translated by `in_sine`.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from scaling.symbolic import rhombus_gain
+    >>> from scaling.symbolic.loops.closed_forms import sine
+    >>> rhombus_gain(frictional=False).subs(sine, sp.Rational(1, 2))  # equal grains
+    5737/98000
+    """
     return in_sine(squared_gain(rhombus(), frictional))
 
 
 @checked_once(frictional=flag)
 def bowtie_gain(frictional: bool = True) -> Expr:
-    """K² of the straight bowtie, in s = sin ψ = R_1/(R_0 + R_1), grain 0 the shared one."""
+    """Squared gain K² of the straight bowtie, in the sine of half the angle at its shared grain.
+
+    Parameters
+    ----------
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+
+    Returns
+    -------
+    Expr
+        K² for noise on the diameters, in s = sin ψ = R_1/(R_0 + R_1). R_0 is the radius of the
+        shared grain, R_1 that of the others.
+
+    Raises
+    ------
+    ValueError
+        `frictional` is no truth value.
+
+    Notes
+    -----
+    It is `squared_gain` of `bowtie`, translated by `in_sine`.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from scaling.symbolic import bowtie_gain
+    >>> from scaling.symbolic.loops.closed_forms import sine
+    >>> bowtie_gain(frictional=False).subs(sine, sp.Rational(1, 2))  # equal grains
+    143371/2381400
+    """
     return in_sine(squared_gain(bowtie(), frictional))

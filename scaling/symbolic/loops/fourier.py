@@ -62,9 +62,38 @@ def closure_defect(contact: Expr) -> Expr:
 
 @checked_once(frictional=flag, exponent=an_exponent)
 def ring_squared_gain(frictional: bool = True, exponent: Expr = sp.S.One) -> Expr:
-    """K² of the regular n-ring for any n >= 3, in n and θ = 2π/n (diameter noise).
+    """Squared gain K² of the regular ring of n grains, for any n >= 3.
 
-    exponent α ≠ 1: Newton's linearisation about equal forces f̂ = 1, where Q acts on δf̂/α.
+    Parameters
+    ----------
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+    exponent : Expr or float, default 1
+        α of the contact law f_n = κ δ^α, a number between 0.001 and 100 or a symbol. For α ≠ 1
+        it is Newton's linearisation about equal forces f̂ = 1, where Q acts on δf̂/α.
+
+    Returns
+    -------
+    Expr
+        K² for noise on the diameters, in n and θ = 2π/n.
+
+    Raises
+    ------
+    ValueError
+        `frictional` is no truth value, or `exponent` no such number.
+
+    Notes
+    -----
+    The ring has one face, which sees the two waves q = ±θ only. The sum over waves at the top
+    of `scaling.symbolic.loops.fourier` is then closed in n.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from scaling.symbolic import ring_squared_gain
+    >>> from scaling.symbolic.loops.fourier import n, theta
+    >>> ring_squared_gain(frictional=False).subs({theta: 2 * sp.pi / n}).subs({n: 3})
+    1/24
     """
     rows = ring_rows() if frictional else ring_rows()[:2, :1]
     wave = rows.subs(q, theta)

@@ -1,10 +1,10 @@
 """Where the gain diverges, and how: exact exponents from exact expressions.
 
-The gain is finite wherever M and Q have no common null vector.  Flat triangles and rhombi
-give M new null vectors (forces along the line of centres), which balance alone cannot
-determine: ‖M⁺‖ diverges.  Closure sees those very vectors, so K stays finite.  Closure does not
-see transverse forces: the bowtie whose triangles both lie flat (s → 1, its hub a point) has a
-purely transverse self-stress, and there K² ~ 1/(1 - s) with friction, and only there.
+The gain K is finite wherever M and Q have no common null vector.  Flat triangles and rhombi
+give M new null vectors, forces along the line of centres.  Balance alone cannot determine these:
+‖M⁺‖ diverges.  Closure sees those very vectors, so K stays finite.  Closure does not see
+transverse forces.  The bowtie whose triangles both lie flat (s → 1, its hub a point) has a purely
+transverse self-stress, and there K² ~ 1/(1 - s) with friction, and only there.
 """
 
 from __future__ import annotations

@@ -31,7 +31,24 @@ def _minus(a: tuple[Expr, Expr]) -> tuple[Expr, Expr]:
 
 @cache
 def triangle() -> SymbolicNetwork:
-    """Three touching grains of any radii: R_i = 1/tan(half the angle at i), inradius 1."""
+    """Three touching grains of any radii.
+
+    Returns
+    -------
+    SymbolicNetwork
+        Contacts 0-1, 0-2 and 1-2, and one face.
+
+    Notes
+    -----
+    The parameters u and v are the tangents of half the angles at grains 0 and 1. The inscribed
+    circle has radius 1, so R_i = 1/tan(half the angle at i).
+
+    Examples
+    --------
+    >>> from scaling.symbolic import triangle
+    >>> triangle().at().radii  # at u = 1/2, v = 1/3
+    (2, 3, 1)
+    """
     at_0, (cos_1, sin_1) = direction(u), direction(v)
     return SymbolicNetwork(
         "triangle",
@@ -45,7 +62,23 @@ def triangle() -> SymbolicNetwork:
 
 @cache
 def square() -> SymbolicNetwork:
-    """Four equal grains in a ring with corner angles φ and π - φ, u = tan(φ/2)."""
+    """Four equal grains in a ring, with corner angles φ and π - φ.
+
+    Returns
+    -------
+    SymbolicNetwork
+        Four contacts and one face.
+
+    Notes
+    -----
+    The parameter is u = tan(φ/2): at u = 1 the angles are right.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import square
+    >>> square().at().normals[1]
+    (0, 1)
+    """
     side = direction(u)
     return SymbolicNetwork(
         "square",
@@ -59,7 +92,23 @@ def square() -> SymbolicNetwork:
 
 @cache
 def rhombus() -> SymbolicNetwork:
-    """Four grains, five contacts: the smallest hyperstatic frictional cell."""
+    """Four grains with five contacts: the smallest hyperstatic frictional cell.
+
+    Returns
+    -------
+    SymbolicNetwork
+        Grains 0 and 1 touch across the middle, 2 and 3 touch both of them; two faces.
+
+    Notes
+    -----
+    The parameter is u = tan(ψ/2) with sin ψ = R_0/(R_0 + R_2).
+
+    Examples
+    --------
+    >>> from scaling.symbolic import null_space, rhombus
+    >>> null_space(rhombus()).shape[1]  # states of stress that need no load
+    1
+    """
     cos, sin = direction(u)
     return SymbolicNetwork(
         "rhombus",
@@ -73,7 +122,33 @@ def rhombus() -> SymbolicNetwork:
 
 @checked_once(n=whole(3, LARGEST))
 def ring(n: int) -> SymbolicNetwork:
-    """n >= 3 equal grains around a regular polygon, one face of n contacts."""
+    """Equal grains around a regular polygon.
+
+    Parameters
+    ----------
+    n : int
+        3 to 1000 grains.
+
+    Returns
+    -------
+    SymbolicNetwork
+        n contacts and one face.
+
+    Raises
+    ------
+    ValueError
+        `n` is no such whole number.
+
+    Notes
+    -----
+    The parameter u = tan(π/n) is a known algebraic number.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import ring
+    >>> ring(5).G().shape
+    (17, 10)
+    """
     headings = [EAST]
     for _ in range(n - 1):
         headings.append(rotated(headings[-1], direction(u)))
@@ -91,7 +166,33 @@ def ring(n: int) -> SymbolicNetwork:
 
 @checked_once(n=whole(3, LARGEST))
 def wheel(n: int) -> SymbolicNetwork:
-    """A hub (grain 0), n >= 3 rim grains touching it and each other: 2n contacts, n faces."""
+    """A hub with rim grains around it, which touch it and each other.
+
+    Parameters
+    ----------
+    n : int
+        3 to 1000 equal rim grains.
+
+    Returns
+    -------
+    SymbolicNetwork
+        2n contacts and n faces. Grain 0 is the hub; the n spokes are the first contacts.
+
+    Raises
+    ------
+    ValueError
+        `n` is no such whole number.
+
+    Notes
+    -----
+    The parameter u = tan(π/2n) is a known algebraic number.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import wheel
+    >>> wheel(3).contacts, len(wheel(3).loops)
+    (6, 3)
+    """
     quarter = direction(u)  # u = tan(π/2n): the angle π/n, half a sector
     sector = rotated(quarter, quarter)
     spokes, rims = [EAST], [rotated(NORTH, quarter)]
@@ -118,10 +219,33 @@ def wheel(n: int) -> SymbolicNetwork:
 
 @checked_once(bend=an_expression)
 def bowtie(bend: Expr = ZERO) -> SymbolicNetwork:
-    """Two isosceles triangles (0, 1, 2) and (0, 3, 4) sharing grain 0.
+    """Two isosceles triangles (0, 1, 2) and (0, 3, 4) that share grain 0.
 
-    bend = tan(χ/2), χ the angle by which the second is turned away from the straight bowtie; a
-    number, or `w` to keep it free (exact results then take minutes).
+    Parameters
+    ----------
+    bend : Expr or float, default 0
+        tan(χ/2), with χ the angle by which the second triangle is turned away from the straight
+        bowtie. A number, or the symbol `w` to keep it free; exact results then take minutes.
+
+    Returns
+    -------
+    SymbolicNetwork
+        Six contacts and two faces.
+
+    Raises
+    ------
+    ValueError
+        `bend` is no finite number and no expression.
+
+    Notes
+    -----
+    The parameter is u = tan(ψ/2), with 2ψ the angle at the shared grain.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import bowtie
+    >>> bowtie().at().radii  # at u = 1/4
+    (9/34, 4/17, 4/17, 4/17, 4/17)
     """
     cos, sin = direction(u)
     right = ((cos, -sin), (cos, sin), NORTH)

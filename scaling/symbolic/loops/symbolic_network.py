@@ -3,9 +3,9 @@
     G = | M_n  M_t |  balance of force and torque, 3N rows (2N without friction)
         |  Q    0  |  closure, two rows for each face
 
-Eq. 1 of the Comment.  Contact directions are rational functions of tangents of quarter or
-half angles (tan θ/2 gives cos θ and sin θ without a square root), so that everything lives
-in one field, QQ(u) or QQ(tan π/n), and ranks and inverses are exact and fast.
+Eq. 1 of the Comment.  Contact directions are rational functions of tangents of quarter or half
+angles: tan θ/2 gives cos θ and sin θ without a square root.  Everything then lives in one field,
+QQ(u) or QQ(tan π/n), and ranks and inverses are exact and fast.
 """
 
 from __future__ import annotations
@@ -35,16 +35,42 @@ def rotated(a: Direction, b: Direction) -> Direction:
 
 @dataclass(frozen=True, eq=False)
 class SymbolicNetwork:
-    """A contact network whose geometry is exact; compared and hashed by identity.
+    """A contact network whose geometry is exact, compared and hashed by identity.
 
-    Attributes:
-        name: what to call it in tables.
-        pairs: contacts (i, j), i < j.
-        normals: unit vectors from i to j, rational in the parameters.
-        loops: faces, counter-clockwise, as (contact, direction of travel).
-        radii: radii of the touching grains, on a common scale (used for sizes, not in G).
-        sample: parameter values at which pictures and numeric comparisons are made.
-        fixed: parameters that are known algebraic numbers, such as tan π/5.
+    Parameters
+    ----------
+    name : str
+        What to call it in tables.
+    pairs : tuple of (int, int)
+        The c contacts (i, j), i < j.
+    normals : tuple of (Expr, Expr)
+        Unit vectors from i to j, rational in the parameters.
+    loops : tuple of sequences of (int, int)
+        Faces, counter-clockwise, each a walk of (contact, direction of travel ±1).
+    radii : tuple of Expr
+        Radii of the N touching grains, on a common scale. They are used for sizes, not in G.
+    sample : mapping of Symbol to Expr, optional
+        Values of the free parameters at which pictures and numeric comparisons are made.
+    fixed : mapping of Symbol to Expr, optional
+        Parameters that are known algebraic numbers, such as tan π/5.
+
+    Raises
+    ------
+    ValueError
+        A contact that is not 0 <= i < j < N, or whose normal is not a unit vector.
+
+    Notes
+    -----
+    M, Q and G are those of Eq. 1 of the Comment on PRL 116, 078001 (2016): G = [M ; (Q, 0)].
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from scaling.symbolic import SymbolicNetwork
+    >>> east = (sp.S.One, sp.S.Zero)
+    >>> pair = SymbolicNetwork("pair", ((0, 1),), (east,), (), (sp.S.One, sp.S.One))
+    >>> pair.M(frictional=False).T.tolist()  # x of grains 0 and 1, then y
+    [[-1, 1, 0, 0]]
     """
 
     name: str
@@ -85,7 +111,7 @@ class SymbolicNetwork:
         return ImmutableMatrix(balance_matrix(self.grains, self.pairs, self.normals))
 
     def M(self, frictional: bool = True) -> ImmutableMatrix:
-        """Balance matrix, (3N, 2c) or (2N, c)."""
+        """Balance matrix, (3N, 2c), or (2N, c) without friction."""
         return self._balance if frictional else self._balance[: 2 * self.grains, : self.contacts]
 
     @cached_property
@@ -94,13 +120,13 @@ class SymbolicNetwork:
         return ImmutableMatrix(closure_matrix(self.loops, self.normals))
 
     def G(self, frictional: bool = True) -> ImmutableMatrix:
-        """Return Eq. 1's matrix: M above (Q, 0)."""
+        """Return the matrix of Eq. 1: M above (Q, 0)."""
         columns = self.contacts if frictional else 0
         padded = Matrix.hstack(self.Q, sp.zeros(self.Q.rows, columns))
         return ImmutableMatrix(Matrix.vstack(self.M(frictional), padded))
 
     def at(self, values: Mapping[Symbol, Expr] | None = None) -> SymbolicNetwork:
-        """Return the same network with its free parameters replaced (default: the sample)."""
+        """Return the same network with its free parameters replaced, by default by `sample`."""
         chosen = dict(self.sample if values is None else values)
         return SymbolicNetwork(
             self.name,

@@ -10,7 +10,8 @@ from sympy import Expr
 
 from packing.arguments.numbers import flag
 from scaling.symbolic.loops.arguments import a_network, checked, whole
-from scaling.symbolic.loops.gain import rank, squared_gain
+from scaling.symbolic.loops.gain import squared_gain
+from scaling.symbolic.loops.linear_algebra import rank
 from scaling.symbolic.loops.named_networks import bowtie, rhombus, ring, square, triangle, wheel
 from scaling.symbolic.loops.symbolic_network import SymbolicNetwork
 
@@ -22,14 +23,24 @@ MOST = 24
 class Row:
     """One network, with or without friction.
 
-    Attributes:
-        name, frictional: which network.
-        grains, contacts: N and c.
-        unknowns, equations: columns and rows of G.
-        self_stress: dimension of the null space of M: forces that need no load.
-        rank: of G; equal to `unknowns` for a unique least-squares solution.
-        squared_gain: K² for diameter noise, exact.
-        value: K² at the network's sample geometry.
+    Attributes
+    ----------
+    name : str
+        Of the network.
+    frictional : bool
+        Whether contacts carry transverse forces.
+    grains, contacts : int
+        N and c.
+    unknowns, equations : int
+        Columns and rows of G.
+    self_stress : int
+        Dimension of the null space of M: forces that need no load.
+    rank : int
+        Of G; equal to `unknowns` for a unique least-squares solution.
+    squared_gain : Expr
+        K² for noise on the diameters, exact.
+    value : float
+        K² at the network's sample geometry.
     """
 
     name: str
@@ -72,7 +83,33 @@ def small_networks(largest: int = 8) -> Iterator[SymbolicNetwork]:
 
 @checked(largest=whole(3, MOST))
 def table(largest: int = 8) -> tuple[Row, ...]:
-    """Rows for all small networks, without and with friction; seconds."""
+    """Ranks, null spaces and squared gains of all small networks. It takes seconds.
+
+    Parameters
+    ----------
+    largest : int, default 8
+        3 to 24 grains of the largest ring.
+
+    Returns
+    -------
+    tuple of Row
+        Two rows for each network of `small_networks`, without and with friction.
+
+    Raises
+    ------
+    ValueError
+        `largest` is no such whole number.
+
+    Examples
+    --------
+    One row of it; the whole takes seconds.
+
+    >>> from scaling.symbolic import bowtie
+    >>> from scaling.symbolic.loops.table import row
+    >>> one = row(bowtie(), frictional=False)
+    >>> one.rank, one.self_stress, f"{one.value:.5f}"
+    (6, 0, '0.05853')
+    """
     return tuple(
         row(network, frictional)
         for network in small_networks(largest)

@@ -77,10 +77,37 @@ def _summed(n: int, frictional: bool, precision: int) -> Any:
 
 
 def wheel_squared_gain(size: int, frictional: bool = True, digits: int = 40) -> Expr:
-    """K² of the regular wheel of `size` rim grains by its Fourier sum, to the given digits.
+    """Squared gain K² of the regular wheel by its Fourier sum, to any number of digits.
 
-    The working precision grows until two evaluations agree; the exact number is
-    `gain.squared_gain(wheel(n))`.
+    Parameters
+    ----------
+    size : int
+        n >= 3 rim grains.
+    frictional : bool, default True
+        Whether contacts carry transverse forces.
+    digits : int, default 40
+        Digits of the result.
+
+    Returns
+    -------
+    Expr
+        K² for noise on the diameters, a sympy Float.
+
+    Raises
+    ------
+    ValueError
+        `size` or `digits` is no such whole number, or `frictional` no truth value.
+
+    Notes
+    -----
+    The sum is at the top of `scaling.symbolic.loops.wheel_waves`. The working precision grows
+    until two evaluations agree. The exact number is ``squared_gain(wheel(size))``, much slower.
+
+    Examples
+    --------
+    >>> from scaling.symbolic import wheel_squared_gain
+    >>> f"{float(wheel_squared_gain(6, digits=10)):.8f}"
+    '0.07837576'
     """
     n, digits = whole_number("size", size), whole_number("digits", digits, 1)
     frictional = flag("frictional", frictional)

@@ -2,8 +2,8 @@
 
     f' - f = G'⁺ρ' = f₁ + f₂ + O(ξ³),       ρ' = ( -δM f ; κ Q'(δσ - δr) )
 
-`perturbation` gives the formulas and `bridge` the lambdified contact block and its expansion;
-here they are summed over the contacts of a `ContactNetwork`.
+`perturbation` gives the formulas, `lambdify` the contact block and its expansion as functions of
+numbers.  Here they are summed over the contacts of a `ContactNetwork`.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from packing import contact_list
+from packing.contacts import contact_list
 from scaling.symbolic.loops.symbolic_network import SymbolicNetwork
 from scaling.symbolic.numeric.lambdify import contact_network
 

@@ -13,7 +13,6 @@ from dem.balance.newton import PolishFailed, polish
 from dem.balance.tangent import PIN, Equilibrium
 from dem.motion.neighbours import find_neighbours
 from dem.protocols.loose_gas import loose_state
-from packing.rattlers import backbone, fewest_contacts
 from tests.conftest import packing
 
 
@@ -57,16 +56,6 @@ def test_tangent_is_the_derivative_of_the_residual(delta, friction):
             move[2 * len(state.radii) : -1] = 0
         slope = (residual(h * move) - residual(-h * move)) / (2 * h)
         assert np.abs(slope - balance.tangent(trial) @ move).max() < 1e-6
-
-
-def test_backbone_takes_rattlers_off_one_after_another():
-    """A chain 3-4-5 hangs on the triangle 0-1-2: 5 has one contact, then 4, then 3."""
-    pairs = np.array([[0, 1], [1, 2], [0, 2], [2, 3], [3, 4], [4, 5]])
-    kept = backbone(pairs, np.ones(6, bool), 6, 2)
-    assert kept.tolist() == [True] * 3 + [False] * 3
-    assert not backbone(pairs, np.ones(6, bool), 6, 3).any()
-    assert fewest_contacts(frictional=True) == 2
-    assert fewest_contacts(frictional=False) == 3
 
 
 def test_cell_in_motion_is_not_rest():

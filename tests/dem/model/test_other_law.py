@@ -200,11 +200,12 @@ class Holding(Stiffening):
         (LinearBySomebody(), "a law of a scene is a frozen dataclass"),
         (Attracting(), r"has a force of -0\.01 at Δ"),
         (Holding(), r"things of contact = 1j is a complex"),
+        (Holding(things=[1.0]), r"can be hashed \(unhashable type: 'list'\)"),
         (Linear(2.0), r"contact = Linear\(stiffness=2\.0.* in units of κ = 1"),
         (Stiffening, "contact = .* is not built yet; use 'linear'"),
         (3, "contact = 3 is not built yet; use 'linear'"),
     ],
-    ids=range(7),
+    ids=range(8),
 )
 def test_odd_contacts_are_refused(contact, message):
     with pytest.raises(ValueError, match=message):

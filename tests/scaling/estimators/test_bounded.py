@@ -161,13 +161,13 @@ def test_no_grain_has_to_balance_in_wrong_directions(monkeypatch):
         errors.append(found / relative_error(flat, p.forces))
         problems.append(problem)
     assert np.mean(errors) < 0.8, errors
-    data = program._data
+    data = program.data_rows
 
     def strict(*arguments):
         turning, *rest = data(*arguments)
         return csr_array(turning.shape), *rest
 
-    monkeypatch.setattr(program, "_data", strict)
+    monkeypatch.setattr(program, "data_rows", strict)
     refused = 0
     for problem in problems:
         with suppress(ValueError):

@@ -73,8 +73,8 @@ def test_degrees_of_freedom_are_the_trace_of_the_projection(name, kind, monkeypa
     network, forces, frictional = NETWORKS[name]()
     equation = force_equation(network, frictional)
     noise, data = noise_of(kind, network)
-    acting, free = conditions._conditions(equation, noise, forces, data)
-    A = conditions._scaled(acting).toarray()
+    acting, free = conditions.acting_and_free(equation, noise, forces, data)
+    A = conditions.scaled(acting).toarray()
     if free.shape[1]:
         U, s, _ = np.linalg.svd(free.toarray(), full_matrices=False)
         U = U[:, s > 1e-10 * s[0]]

@@ -10,12 +10,12 @@ from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import posterior
 from scaling.estimators.bounded.prior import Prior
 from scaling.noise.noise_model import noise_model
-from scaling.uncertainty import credible_intervals as intervals_module
+from scaling.uncertainty import projected_draws
 from scaling.uncertainty.credible_intervals import (
     coverage,
-    posterior_draws,
     posterior_intervals,
 )
+from scaling.uncertainty.projected_draws import posterior_draws
 from tests.conftest import packing
 from tests.scaling.packings import network_of, noisy_problem
 
@@ -63,7 +63,7 @@ def test_intervals_widen_with_the_second_order_where_it_is_let_in():
 def test_draws_are_of_one_model(monkeypatch):
     """One draw that is feasible only with the second order: then all are made with it."""
     p = packing(delta=1e-2)
-    problem, used, original = noisy_problem(p, 1e-3, 0), [], intervals_module.passes
+    problem, used, original = noisy_problem(p, 1e-3, 0), [], projected_draws.passes
 
     def stubborn(posterior, curved, shift=None):
         used.append(curved)
@@ -71,7 +71,7 @@ def test_draws_are_of_one_model(monkeypatch):
             raise ValueError("nothing is feasible")
         return original(posterior, curved, shift)
 
-    monkeypatch.setattr(intervals_module, "passes", stubborn)
+    monkeypatch.setattr(projected_draws, "passes", stubborn)
     assert len(posterior_draws(problem, np.random.default_rng(0), 3)) == 3
     assert used == [False, False, True, True, True]
 

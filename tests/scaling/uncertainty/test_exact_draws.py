@@ -12,11 +12,11 @@ from scaling.estimators.bounded.posterior import posterior
 from scaling.noise.noise_model import noise_model
 from scaling.uncertainty.credible_intervals import (
     enclosing,
-    posterior_draws,
     posterior_intervals,
     widened,
 )
 from scaling.uncertainty.exact_draws import Walls, truncated_draws
+from scaling.uncertainty.projected_draws import posterior_draws
 from tests.conftest import packing
 
 

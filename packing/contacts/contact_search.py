@@ -2,9 +2,10 @@
 
     r_ij - σ_ij < h .
 
-With exact data h = 0 finds all contacts that push. With noise ξ the gaps of real contacts, of
-order -Δ, and those of the nearest neighbours that do not touch, whose density is finite at 0,
-are smeared by ~ξ: for ξ >> Δ every threshold misses contacts or invents some.
+Here r_ij is the distance of the centres, σ_ij the sum of the radii and h the threshold. With exact
+data h = 0 finds all contacts that push. The gaps of real contacts are of order -Δ; those of
+nearest neighbours that do not touch have a finite density at 0. Noise ξ smears both by ~ξ: for
+ξ >> Δ every threshold misses contacts or invents some.
 """
 
 from __future__ import annotations
@@ -13,11 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from packing import contact_list
 from packing.arguments.arrays import Floats, Integers, real_array
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import finite_number
-from packing.lattice import forward, reduced
+from packing.contacts import contact_list
+from packing.contacts.lattice import forward, reduced
 
 _PER_PAIR = 200
 """Bytes for a pair within reach: what the tree returns, its image, and what is made of them."""
@@ -35,14 +36,47 @@ def infer_contacts(
     *,
     cell: ArrayLike | None = None,
 ) -> tuple[Integers, Integers]:
-    """(pairs (c, 2), images (c, 2)) of all pairs whose gap r - σ is below `threshold`.
+    """All pairs of grains whose gap r - σ is below a threshold, ready for `ContactNetwork`.
 
-    Ready for `ContactNetwork`: i <= j, ordered by pair, images zero without a `cell`. Contacts of
-    a grain with its own images are named once, by that with a positive first non-zero entry.
-    ValueError: bad input; a threshold of ⟨σ⟩ or more, as a grain fits into such a gap; a cell so
-    small that contacts reach over more than one of its periods (the shortest lattice vectors
-    of the cell count, neither its shear nor the origin); more pairs within reach than memory
-    holds.
+    Parameters
+    ----------
+    positions : (N, 2) array
+        Centres.
+    radii : (N,) array
+        Radii, positive.
+    threshold : float, default 0.0
+        Length below which a gap counts as a contact; negative for overlaps only above some size.
+    cell : (2, 2) array, optional
+        Lattice vectors as rows; without it the packing is open.
+
+    Returns
+    -------
+    pairs : (c, 2) array of int
+        Grains i <= j of each contact, ordered.
+    images : (c, 2) array of int
+        Which image of grain j touches grain i; zero without a cell. Contacts of a grain with
+        its own images are named once, by that with a positive first non-zero entry.
+
+    Raises
+    ------
+    ValueError
+        Bad input. A threshold of ⟨σ⟩ or more, as a grain fits into such a gap. A cell so small
+        that contacts reach over more than one of its periods; the shortest lattice vectors of
+        the cell count, neither its shear nor the origin. More pairs within reach than memory
+        holds.
+
+    Notes
+    -----
+    With exact data a threshold of 0 finds all contacts that push. With noise ξ far above the
+    overlaps every threshold misses contacts or invents some (`packing.contacts.contact_search`).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x = np.array([[0.25, 0.5], [1.2, 0.5], [3.0, 0.5]])
+    >>> pairs, images = infer_contacts(x, np.full(3, 0.5), cell=np.diag([3.7, 10.0]))
+    >>> pairs.tolist(), images.tolist()
+    ([[0, 1], [0, 2]], [[0, 0], [-1, 0]])
     """
     R = contact_list.radii_of_grains(radii)
     x = real_array("positions", positions, (len(R), 2), "grain")

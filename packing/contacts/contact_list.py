@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from packing.arguments.arrays import Floats, Integers, real_array, whole_array
 from packing.arguments.numbers import LARGEST
-from packing.lattice import forward
+from packing.contacts.lattice import forward
 
 # A measured direction may be rounded, but a vector off by more than this is not a direction.
 _UNIT_SLACK = 0.01

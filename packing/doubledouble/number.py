@@ -1,14 +1,12 @@
 """Numbers carried as an unevaluated sum of two doubles, value = high + low: about 32 digits.
 
-A gap σ - r of order Δ between O(1) lengths keeps 16 - log10(1/Δ) digits in plain doubles; with
+A gap σ - r of order Δ between O(1) lengths keeps 16 - log10(1/Δ) digits in plain doubles.  With
 a low part beside every length it keeps them all, down to Δ ~ 1e-16 and beyond.
 
-    two_sum(a, b)  = (s, e),  s = fl(a + b),  s + e = a + b  exactly      (Knuth)
-    two_prod(a, b) = (p, e),  p = fl(a b),    p + e = a b    exactly      (Dekker 1971)
-
-Sums and products of pairs follow Hida, Li & Bailey's QD library (relative error ~ 2^-104 for
-sums too: the accurate variant, since everything here is a cancellation).  Both ``dem`` and
-``scaling`` compute with it; it knows neither.  Magnitudes between 1e-140 and 1e140.
+Sums and products of pairs follow Hida, Li & Bailey's QD library, from the exact sums and products
+of doubles in `error_free`.  The relative error is ~ 2^-104 for sums too: theirs is the accurate
+variant, since everything here is a cancellation.  Both ``dem`` and ``scaling`` compute with it; it
+knows neither.  Magnitudes lie between 1e-140 and 1e140.
 """
 
 from __future__ import annotations
@@ -20,73 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from packing.arguments.arrays import real_array, whole_array
-from packing.arguments.numbers import LARGEST, SMALLEST, instance, shown
-from packing.immutable import Immutable
-
-Floats = NDArray[np.float64]
+from packing.arguments.immutable import Immutable
+from packing.arguments.numbers import instance, shown
+from packing.doubledouble.error_free import doubles, product_and_rest, refuse_shapes, sum_and_rest
 
 #: Relative error of one operation.
 EPS = 2.0**-104
-_SPLITTER = 2.0**27 + 1  # cuts a double into two halves of 26 bits
-
-
-def two_sum(a: ArrayLike, b: ArrayLike) -> tuple[Any, Any]:
-    """fl(a + b) and what it lost. ValueError: no numbers, or shapes that do not go together."""
-    return _two_sum(*_together(a, b))
-
-
-def two_prod(a: ArrayLike, b: ArrayLike) -> tuple[Any, Any]:
-    """fl(a b) and what it lost.
-
-    ValueError: as `two_sum`, or a number below 1e-140, where what is lost would vanish itself.
-    """
-    a, b = _together(a, b)
-    for name, values in (("a", a), ("b", b)):
-        tiny = (values != 0) & (np.abs(values) < SMALLEST)
-        if tiny.any():
-            raise ValueError(f"{name} holds {values[tiny].flat[0]}, below {SMALLEST:g}")
-    return _two_prod(a, b)
-
-
-def _two_sum(a: Any, b: Any) -> tuple[Any, Any]:
-    s = a + b
-    v = s - a
-    return s, (a - (s - v)) + (b - v)
-
-
-def _two_prod(a: Any, b: Any) -> tuple[Any, Any]:
-    p = a * b
-    (a1, a2), (b1, b2) = _halves(a), _halves(b)
-    return p, ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2
-
-
-def _doubles(name: str, values: Any) -> Floats:
-    """`values` as doubles, not copied if they are; ValueError naming what is no finite number."""
-    plain = type(values) in (np.ndarray, np.float64, float) and np.asarray(values).dtype == float
-    if plain and (np.abs(values) <= LARGEST).all():
-        return np.asarray(values)
-    return real_array(name, values)
-
-
-def _together(a: Any, b: Any) -> tuple[Floats, Floats]:
-    a, b = _doubles("a", a), _doubles("b", b)
-    _check_shapes("a", a, "b", b)
-    return a, b
-
-
-def _check_shapes(name: str, a: Any, other: str, b: Any) -> None:
-    try:
-        np.broadcast_shapes(np.shape(a), np.shape(b))
-    except ValueError:
-        raise ValueError(
-            f"{name} has shape {np.shape(a)} and {other} {np.shape(b)}: they do not go together"
-        ) from None
-
-
-def _halves(a: Floats) -> tuple[Floats, Floats]:
-    t = _SPLITTER * a
-    high = t - (t - a)
-    return high, a - high
 
 
 def _renormalised(s: Any, e: Any) -> DoubleDouble:
@@ -102,9 +39,31 @@ def _renormalised(s: Any, e: Any) -> DoubleDouble:
 
 @dataclass(frozen=True, eq=False)
 class DoubleDouble(Immutable):
-    """Arrays ``high`` and ``low`` of one shape, |low| <= ulp(high)/2; immutable by convention.
+    """Arrays of numbers, each the sum of two doubles; immutable by convention.
 
-    ValueError: what is no array of finite numbers, or a result that is not finite.
+    Parameters
+    ----------
+    high : array
+        The nearest doubles.
+    low : array
+        What these leave out, |low| <= ulp(high)/2, of the same shape.
+
+    Raises
+    ------
+    ValueError
+        What is no array of finite numbers, or a result that is not finite.
+
+    Notes
+    -----
+    Sums, differences, products and quotients mix with arrays and numbers; `of` brings any two
+    arrays to the normal form.
+
+    Examples
+    --------
+    >>> from packing.doubledouble import DoubleDouble
+    >>> third = DoubleDouble.of(1.0) / 3.0
+    >>> f"{float(third * 3.0 - 1.0):.0e}", f"{third.low:.2e}"
+    ('0e+00', '1.85e-17')
     """
 
     high: Any
@@ -115,12 +74,12 @@ class DoubleDouble(Immutable):
     @classmethod
     def of(cls, high: ArrayLike, low: ArrayLike | None = None) -> DoubleDouble:
         """high + low, brought to the normal form; ``low`` None is 0."""
-        high = _doubles("high", high)
+        high = doubles("high", high)
         if low is None:
             return cls(high, np.zeros_like(high))
-        low = _doubles("low", low)
-        _check_shapes("high", high, "low", low)
-        return cls(*_two_sum(high, low))
+        low = doubles("low", low)
+        refuse_shapes("high", high, "low", low)
+        return cls(*sum_and_rest(high, low))
 
     def __post_init__(self) -> None:
         for name in ("high", "low"):
@@ -140,9 +99,9 @@ class DoubleDouble(Immutable):
 
     def __add__(self, other: Any) -> DoubleDouble:
         other = _pair(other)
-        _check_shapes("this", self.high, "operand", other.high)
-        s, e = _two_sum(self.high, other.high)
-        t, f = _two_sum(self.low, other.low)
+        refuse_shapes("this", self.high, "operand", other.high)
+        s, e = sum_and_rest(self.high, other.high)
+        t, f = sum_and_rest(self.low, other.low)
         once = _renormalised(s, e + t)
         return _renormalised(once.high, once.low + f)
 
@@ -157,8 +116,8 @@ class DoubleDouble(Immutable):
 
     def __mul__(self, other: Any) -> DoubleDouble:
         other = _pair(other)
-        _check_shapes("this", self.high, "operand", other.high)
-        p, e = _two_prod(self.high, other.high)
+        refuse_shapes("this", self.high, "operand", other.high)
+        p, e = product_and_rest(self.high, other.high)
         return _renormalised(p, e + (self.high * other.low + self.low * other.high))
 
     def __rmul__(self, other: Any) -> DoubleDouble:
@@ -171,12 +130,12 @@ class DoubleDouble(Immutable):
             raise ValueError(
                 f"operand[{int(np.argmin(np.abs(other.high)))}] is 0: a quotient by 0"
             )
-        _check_shapes("this", self.high, "operand", other.high)
+        refuse_shapes("this", self.high, "operand", other.high)
         first = self.high / other.high
         rest = self - other * first
         second = rest.high / other.high
         rest = rest - other * second
-        return _renormalised(*_two_sum(first, second)) + rest.high / other.high
+        return _renormalised(*sum_and_rest(first, second)) + rest.high / other.high
 
     def sqrt(self) -> DoubleDouble:
         """Root of positive numbers: the root in doubles and two Newton corrections."""
@@ -194,22 +153,22 @@ class DoubleDouble(Immutable):
 
 
 def _pair(value: Any) -> DoubleDouble:
-    return (
-        value if isinstance(value, DoubleDouble) else DoubleDouble.of(_doubles("operand", value))
-    )
+    return value if isinstance(value, DoubleDouble) else DoubleDouble.of(doubles("operand", value))
 
 
 def hypot(x: DoubleDouble, y: DoubleDouble) -> DoubleDouble:
     """√(x² + y²), not both 0. ValueError: both are, or one is no DoubleDouble."""
     x, y = instance("x", x, DoubleDouble), instance("y", y, DoubleDouble)
-    _check_shapes("x", x.high, "y", y.high)
+    refuse_shapes("x", x.high, "y", y.high)
     if np.any((x.high == 0) & (y.high == 0)):
         raise ValueError("x and y are both 0 in one place: a length of 0 has no digits")
     return (x * x + y * y).sqrt()
 
 
 def segment_sums(terms: DoubleDouble, starts: NDArray[np.int64]) -> DoubleDouble:
-    """Sums over terms[starts[k]:starts[k+1]], for each k; one term of each at a time.
+    """Sums over terms[starts[k]:starts[k+1]], for each k.
+
+    One term of each segment is added at a time.
 
     ValueError: starts that fall, or lead beyond the terms.
     """

@@ -1,0 +1,1 @@
+"""The list of contacts: its rules, how it is found, what bears no force."""
