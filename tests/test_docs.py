@@ -25,6 +25,7 @@ def name_of(page: Path) -> str:
     return page.relative_to(ROOT).as_posix()
 
 
+@pytest.mark.filterwarnings("ignore::scaling.CoarseCoordinatesWarning")
 @pytest.mark.parametrize("page", [p for p in PAGES if blocks(p)], ids=name_of)
 def test_code_of_the_pages_runs_and_prints_what_it_says(page, monkeypatch, tmp_path):
     (tmp_path / "tests").symlink_to(ROOT / "tests")

@@ -11,6 +11,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 
+from sphinx.application import Sphinx
+
 from packing.version import __version__
 
 project = "packing-forces"
@@ -60,7 +62,7 @@ toc_object_entries_show_parents = "hide"
 
 # Where the committed tables lie: {csv} figures:table1.csv
 csv_folders = {"figures": "figures", "results": "results"}
-suppress_warnings = ["ref.python", "toc.not_included"]
+suppress_warnings = ["ref.python"]
 
 html_theme = "furo"
 html_title = "packing-forces"
@@ -71,3 +73,14 @@ html_copy_source = False
 html_show_sphinx = False
 html_show_copyright = False
 html_permalinks_icon = "#"
+
+
+def setup(app: Sphinx) -> None:
+    """Tables of results are pages of their own, to which others link."""
+
+    def alone(app: Sphinx, page: str, source: list[str]) -> None:
+        if page.startswith(csv_folders["results"] + "/"):
+            title = page.rpartition("/")[2]
+            source[0] = f"---\norphan: true\n---\n# {title}\n\n{source[0]}"
+
+    app.connect("source-read", alone)
