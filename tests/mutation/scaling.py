@@ -275,4 +275,18 @@ SCALING = (
         "left = balances - (c if",
         ("tests/scaling/estimators/test_misfit.py",),
     ),
+    Mutation(
+        "stiffness per contact: its inverse",
+        "scaling/equation/force_equation.py",
+        "return rows / compliance.reshape",
+        "return rows * compliance.reshape",
+        ("tests/scaling/estimators/test_contact_laws.py",),
+    ),
+    Mutation(
+        "nonlinear closure: slope for compliance",
+        "scaling/equation/nonlinear_closure.py",
+        "κ / np.maximum(slopes, _SOFTEST * κ)",
+        "np.maximum(slopes, _SOFTEST * κ) / κ",
+        ("tests/scaling/estimators/test_contact_laws.py",),
+    ),
 )
