@@ -1,8 +1,8 @@
-"""Convex quadratic programmes through clarabel, an interior-point solver:
+"""Convex quadratic programs through clarabel, an interior-point solver:
 
 min ½ zᵀP z + qᵀz   subject to   A_e z = b ,   A_c z <= m
 
-clarabel regularises its linear systems, and the remedy for one programme is the disease of
+clarabel regularises its linear systems, and the remedy for one program is the disease of
 another: equilibrium with exact directions has nearly redundant rows, which the default
 constant 1e-8 blurs to reduced accuracy and 1e-10 does not; data much weaker than the prior can
 break it down until the rows are left unscaled. So settings are tried in turn until one solves.
@@ -65,7 +65,7 @@ def minimise(
         if violation < min(_FEASIBLE[status], least):
             best, least = (z, report), violation
     if best is None:
-        raise RuntimeError(f"clarabel did not solve the programme: {', '.join(statuses)}")
+        raise RuntimeError(f"clarabel did not solve the program: {', '.join(statuses)}")
     return best
 
 
