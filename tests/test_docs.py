@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pkgutil
 import re
 import sys
 from pathlib import Path
@@ -73,3 +74,12 @@ def test_the_glossary_names_the_symbols():
     glossary = (DOCS / "glossary.md").read_text()
     for symbol in "EKCΔξκMQGηZΛh":
         assert f"| {symbol} |" in glossary, symbol
+
+
+def test_what_has_moved_is_where_the_changelog_says():
+    """Every name in the column "now" is a module, or in one."""
+    table = (ROOT / "CHANGELOG.md").read_text().partition("### Moved")[2].partition("## 0.1.0")[0]
+    rows = [line.split("|")[2] for line in table.splitlines() if line.startswith("| `")]
+    assert len(rows) > 20
+    for name in re.findall(r"`([\w.]+)`", "".join(rows)):
+        assert pkgutil.resolve_name(name), name
