@@ -28,7 +28,7 @@ def true(p, noise):
     return {"forces": p.forces, "stiffness": p.stiffness} if noise == "position" else {}
 
 
-# Whole error maps and convex programmes are dear: fewer examples than elsewhere, unless fuzzing.
+# Whole error maps and convex programs are dear: fewer examples than elsewhere, unless fuzzing.
 few = settings(max_examples=max(8, settings().max_examples // 3))
 linear = st.sampled_from(["gppsz", "balanced", "direct"])
 kinds = st.sampled_from(["diameter", "relative", "position"])

@@ -1,4 +1,4 @@
-"""The ladder of solver settings: programmes solved by hand, and what each failure is called."""
+"""The ladder of solver settings: programs solved by hand, and what each failure is called."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_a_point_at_hand_outweighs_two_certificates(monkeypatch):
 
 def test_a_breakdown_is_not_called_a_contradiction():
     """Numbers no solver can handle: it says so, and nothing about forces."""
-    with pytest.raises(RuntimeError, match="did not solve the programme"):
+    with pytest.raises(RuntimeError, match="did not solve the program"):
         quadratic_program.minimise(
             np.full(1, np.nan), np.zeros(1), csr_array([[1.0]]), np.ones(1), csr_array([[1.0]])
         )
