@@ -34,6 +34,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "mathml",
     "csv_tables",
+    "printed_size",
     "reference",
     "short_cells",
 ]
