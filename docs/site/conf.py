@@ -36,7 +36,7 @@ extensions = [
     "csv_tables",
     "printed_size",
     "reference",
-    "short_cells",
+    "whole_numbers",
 ]
 
 myst_enable_extensions = ["dollarmath"]

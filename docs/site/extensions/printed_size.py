@@ -1,4 +1,4 @@
-"""Figures are shown in proportion to their printed size, so that all have letters of one height."""
+"""Figures in proportion to their printed size, so that all have letters of one height."""
 
 from __future__ import annotations
 
