@@ -37,22 +37,6 @@ class PackingLike(Protocol):
         """Grains i <= j of each contact, (c, 2)."""
 
 
-class RelaxedPackingLike(PackingLike, Protocol):
-    """A packing whose forces are known."""
-
-    @property
-    def forces(self) -> ArrayLike:
-        """Contact forces: f_n then f_t, (2c,), or f_n alone, (c,)."""
-
-    @property
-    def stiffness(self) -> float:
-        """The stiffness κ, force per length."""
-
-    @property
-    def pressure(self) -> float:
-        """The pressure p, force per length."""
-
-
 def fields_of(packing: Any, names: Iterable[str]) -> dict[str, Any]:
     """The fields `names` of `packing`; ValueError for the first that it does not have."""
     found = {}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from scaling import ContactNetwork, error_map, force_equation, perturb, reconstr
 from scaling.estimators.table import ESTIMATORS
 from tests.conftest import packing
 from tests.markdown import ROOT, run
+from tests.test_layers import climbing, house
 
 
 @pytest.fixture
@@ -61,3 +64,41 @@ def test_the_format_names_the_file_that_lacks_something(made, tmp_path):
     (tmp_path / "half.json").write_text('{"positions": []}')
     with pytest.raises(ValueError, match=r"half\.json is not a whole packing: radii is missing"):
         made["read"](tmp_path / "half.json")
+
+
+NEW_FILE = re.compile(
+    r"new file `([\w/]+)\.py`.*?\n```python\n(.*?)^```", re.DOTALL | re.MULTILINE
+)
+
+
+def new_files() -> dict[str, str]:
+    """Name of the module -> its text, for the files that the examples make."""
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    return {m[1].replace("/", "."): m[2] for m in NEW_FILE.finditer(page)}
+
+
+@pytest.mark.parametrize("name", new_files())
+def test_a_new_file_stands_alone_in_its_room(name, tmp_path):
+    """It runs by itself, has a docstring, and imports from below only."""
+    names = {"__name__": name}
+    exec(compile(new_files()[name], name, "exec", dont_inherit=True), names)
+    assert names["__doc__"]
+    module = tmp_path / "module.py"
+    module.write_text(new_files()[name])
+    assert climbing(house() | {name: module}) == []
+
+
+def test_there_are_three_new_files():
+    assert sorted(n.rpartition(".")[0] for n in new_files()) == [
+        "packing.contact_law",
+        "packing.files",
+        "scaling.estimators",
+    ]
+
+
+def test_a_format_that_imports_the_record_climbs(tmp_path):
+    """Control: it was so once."""
+    module = tmp_path / "module.py"
+    module.write_text("from packing.record import Packing\n")
+    wrong = climbing(house() | {"packing.files.new": module})
+    assert wrong == ["packing.files.new imports packing.record"]

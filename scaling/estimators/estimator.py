@@ -128,8 +128,8 @@ class LinearEstimator(Estimator):
         ----------
         equation : ForceEquation
             At the noise-free network
-        noise : str
-            Which data are noisy
+        noise : NoiseModel
+            Which data are noisy, and how strongly
         lengths : numpy.ndarray
             (2c,) or (c,) φ = f/κ of the forces at which directions turn in M; by default
             directions count as exact there

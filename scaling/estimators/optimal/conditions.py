@@ -39,7 +39,7 @@ def conditions_on_noise(equation: ForceEquation, noise: NoiseModel, φ: Floats, 
     if acting.shape[0] <= DENSE_UP_TO:
         every = np.hstack([scaled(acting).toarray(), free.toarray()])
         return _rank(every) - _rank(free.toarray())
-    return _counted(equation, noise, acting, free, data)
+    return _counted(equation, noise, acting, data)
 
 
 def acting_and_free(
@@ -70,9 +70,7 @@ def _rank(matrix: Floats) -> int:
     return int((s > _RANK * s[0]).sum())
 
 
-def _counted(
-    equation: ForceEquation, noise: NoiseModel, acting: csr_array, free: csr_array, data: str
-) -> int:
+def _counted(equation: ForceEquation, noise: NoiseModel, acting: csr_array, data: str) -> int:
     """d of a disordered network: the conditions left over, or the sources, if they are fewer."""
     network, forest = equation.network, equation.network.forest
     labels, part = np.unique(forest.component[network.active], return_inverse=True)
