@@ -1,4 +1,4 @@
-"""The parts behind docs/trade.md and speed.md, small: with error bars, and the pages show them."""
+"""The parts behind docs/trade.md, ramps.md and speed.md: with error bars, as the pages say."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from studies.packings import continuation, ramps
 from tests.conftest import packing
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = [ROOT / "docs" / name for name in ("trade.md", "speed.md")]
+PAGES = [ROOT / "docs" / name for name in ("trade.md", "ramps.md", "speed.md")]
 SHOWN = (
     "step_cost", "size", "numbering", "precision", "polish_cost", "ramp_rates", "continuation",
 )  # fmt: skip

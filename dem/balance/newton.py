@@ -14,7 +14,8 @@ from collections.abc import Callable
 import numpy as np
 
 from dem.balance.contact_forces import ContactForces
-from dem.balance.tangent import PIN, Equilibrium, Trial
+from dem.balance.tangent import PIN, Equilibrium
+from dem.balance.trial import Trial
 from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours
 from dem.model.rectangle import rectangle
@@ -22,13 +23,18 @@ from dem.motion.state import State
 from packing.arguments.arrays import Floats
 
 ITERATIONS = 40
-#: Newton steps without halving the residual before it is taken as stalled; fewer at round-off.
+#: Newton steps without progress before it is taken as stalled; fewer at round-off.
 PATIENCE, PATIENCE_AT_ROUND_OFF = 8, 2
+#: A grain whose residual is above this, in p, is unbalanced.
+UNBALANCED = 1e-6
+#: Progress: the worst residual halves, or the number of unbalanced grains falls to this share.
+FEWER = 0.7
 #: A longer move (mean diameters) means that the tangent is singular: not near rest.
 LONGEST_MOVE = 0.2
-#: Diagonal shift of the tangent, in κ, per residual/p: it vanishes as Newton converges, but where
-#: nothing holds a group of grains it lets them move by ~ Δ, off their contacts, and no further.
-SHIFT = 1.0
+#: Diagonal shift of the tangent, in κ, per residual/p of the grains within so many contacts.  It
+#: vanishes as Newton converges; where nothing holds a group of grains it lets them move by ~ Δ,
+#: off their contacts, and no further, and all others go on at full speed.
+SHIFT, RINGS = 1.0, 3
 #: Largest f_n - κ overlap after the last moves, in κ ε L: more, and they were not linear.
 LAG = 10
 #: Refinements of the forces once positions can do no more, and times that contacts may be opened.
@@ -39,7 +45,12 @@ class PolishFailed(ArithmeticError):
     """Newton's method did not converge: the packing was not near enough to rest.
 
     ``relax`` integrates on and tries again; ``refine`` and ``stiffen`` end with it.
+    ``iterations`` were made in vain.
     """
+
+    def __init__(self, message: str, iterations: int = 0) -> None:
+        super().__init__(message)
+        self.iterations = iterations
 
 
 def polish(
@@ -67,29 +78,54 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
     pressure = balance.pressure
     y = np.zeros(3 * balance.count + 1)
     trial = kept = balance.trial(y)
-    best, stalled, iterations = np.inf, 0, 0
+    best = lowest = fewest = np.inf
+    stalled = iterations = 0
     while iterations < ITERATIONS:
         residual = trial.residual(trial.normal, trial.tangential)
-        worst = float(np.abs(residual).max())
+        worst, grains = float(np.abs(residual).max()), _worst_of_grains(residual) / pressure
+        unbalanced = int((grains > UNBALANCED).sum())
         if worst < 0.5 * best:
-            best, kept, stalled = worst, trial, 0
+            best, kept = worst, trial
+        if worst < 0.5 * lowest or unbalanced < FEWER * fewest:
+            stalled = 0
         else:
             stalled += 1
+        if iterations > 0:  # the first step lets contacts slip: it may well raise the residual
+            lowest, fewest = min(worst, lowest), min(unbalanced, fewest)
         patience = PATIENCE if best > good else PATIENCE_AT_ROUND_OFF
         if worst <= floor or stalled > patience:
             break
-        move = _newton_step(balance, trial, max(PIN, SHIFT * worst / pressure))(residual)
+        move = _newton_step(balance, trial, np.maximum(PIN, SHIFT * _around(trial, grains)))(
+            residual
+        )
         if not np.abs(move).max() < LONGEST_MOVE:  # also when it is NaN
-            raise PolishFailed(f"a Newton step of {np.abs(move).max():.3g} ⟨σ⟩")
+            raise PolishFailed(f"a Newton step of {np.abs(move).max():.3g} ⟨σ⟩", iterations)
         y = y + move
         trial = balance.trial(y)
         iterations += 1
     if best > good:
-        raise PolishFailed(f"the residual stays at {best / pressure:.3g} p")
+        raise PolishFailed(f"the residual stays at {best / pressure:.3g} p", iterations)
     return kept, iterations
 
 
-def _newton_step(balance: Equilibrium, trial: Trial, shift: float) -> Callable[[Floats], Floats]:
+def _worst_of_grains(residual: Floats) -> Floats:
+    """The largest component of the residual of every grain ``(N,)``."""
+    return np.abs(residual[:-1]).reshape(3, -1).max(axis=0)
+
+
+def _around(trial: Trial, values: Floats) -> Floats:
+    """The largest of ``values`` (N,) among the grains within RINGS contacts of each."""
+    i, j = trial.near.columns[:, trial.bearing]
+    for _ in range(RINGS):
+        inner, values = values, values.copy()
+        np.maximum.at(values, i, inner[j])
+        np.maximum.at(values, j, inner[i])
+    return values
+
+
+def _newton_step(
+    balance: Equilibrium, trial: Trial, shift: Floats | float
+) -> Callable[[Floats], Floats]:
     try:
         return balance.factorise(trial, shift)
     except RuntimeError as singular:  # how SuperLU puts a pivot of exactly zero
@@ -120,15 +156,15 @@ def _carry(
 
 def increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Floats]:
     """Normal and tangential forces, refined on the tangent at ``trial``, and the moves."""
-    on_normal, on_slip, slides = balance.response(trial)
+    response = balance.response(trial)
     normal, tangential = trial.normal, trial.tangential
     residual = trial.residual(normal, tangential)
     newton_step, moves = _newton_step(balance, trial, PIN), trial.y
     for _ in range(REFINEMENTS):
         y = newton_step(residual)
-        stretched, slipped = trial.m_n.T @ y, -(trial.m_t.T @ y)
-        new_normal = normal + on_normal * stretched
-        new_tangential = tangential + on_slip * slipped + slides * stretched
+        stretched, slipped = trial.stretched(y), trial.slipped(y)
+        new_normal = normal + response.normal * stretched
+        new_tangential = tangential + response.slip * slipped + response.slide * stretched
         new_residual = trial.residual(new_normal, new_tangential)
         if np.abs(new_residual).max() >= np.abs(residual).max():
             break

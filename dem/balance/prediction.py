@@ -7,13 +7,12 @@ fewer contacts than coordinates), J = M_nᵀ on the grains that bear.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csc_array, eye_array
-from scipy.sparse.linalg import splu
 
+from dem.balance.blocks import Border, GrainBlocks, Response
 from dem.balance.high_precision import ExtendedEquilibrium, Place
 from dem.balance.newton import PolishFailed
 from dem.balance.rattlers import evict
-from dem.balance.tangent import Trial
+from dem.balance.trial import Trial
 from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours
 
@@ -27,21 +26,24 @@ def predict(
 ) -> Place:
     """Overlaps of the force-bearing contacts shrunk by q/p; rattlers out of the way."""
     balance = ExtendedEquilibrium(place, near, law, q)
-    wanted = trial.normal[trial.bearing] / law.stiffness * (q / p)
-    count = balance.count
-    grains = np.zeros(count, bool)
-    grains[near.pairs[trial.bearing]] = True
-    active = np.flatnonzero(np.r_[grains, grains, np.zeros(count, bool), True])
-    jacobian = csc_array(trial.m_n)[active][:, np.flatnonzero(trial.bearing)]
+    bearing = trial.bearing
+    wanted = trial.normal[bearing] / law.stiffness * (q / p)
+    ones, zeros = bearing.astype(float), np.zeros(len(bearing))
+    blocks = GrainBlocks(balance.blocks.order, 2)
+    column = trial.resultants(ones * trial.r / balance.span, zeros)
+    unit = Response(ones, zeros, zeros, zeros, zeros)
+    border = Border(column, column, float(column[-1]))
     try:
-        solve = splu(csc_array(jacobian @ jacobian.T + TIKHONOV * eye_array(len(active)))).solve
+        solve = blocks.solver(blocks.matrix(trial, unit, border, -TIKHONOV))
     except RuntimeError as singular:
         raise PolishFailed(f"no moves to predict ({singular})") from singular
-    y, worst = np.zeros(3 * count + 1), np.inf
+    y, worst, excess = np.zeros(3 * balance.count + 1), np.inf, zeros.copy()
     for _ in range(PREDICTIONS):
-        excess = balance.branches(y)[1][trial.bearing] - wanted
+        excess[bearing] = balance.branches(y)[1][bearing] - wanted
         if np.abs(excess).max() > 0.5 * worst or worst < 1e-6 * q:
             break
         worst = np.abs(excess).max()
-        y[active] += solve(jacobian @ excess)
-    return evict(balance.after(y), near, ~grains, 3 * p / law.stiffness)
+        y += solve(trial.resultants(excess, zeros))
+    rattlers = np.ones(balance.count, bool)
+    rattlers[near.pairs[bearing]] = False
+    return evict(balance.after(y), near, rattlers, 3 * p / law.stiffness)

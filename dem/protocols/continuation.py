@@ -29,7 +29,7 @@ from dem.balance.missed_contacts import NotThisPacking, refuse_missed_contacts
 from dem.balance.newton import PolishFailed, newton
 from dem.balance.prediction import predict
 from dem.balance.rattlers import ROUNDING, NoRoom, freed
-from dem.balance.tangent import Trial
+from dem.balance.trial import Trial
 from dem.model.history import History
 from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours

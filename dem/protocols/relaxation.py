@@ -31,8 +31,10 @@ STRIDE = 200
 PRESSURE_TOLERANCE = 0.01
 #: Largest force residual, in p, of a packing that is not polished.
 RESTED = 1e-3
-#: After a failed polish: inertial times until the next, unless the speed falls tenfold before.
+#: After a failed polish: inertial times until the next, unless the speed falls to a third before.
 RETRY = 10.0
+#: But no sooner than after time steps that cost what failed: so many an iteration of Newton's.
+STEPS_OF_ITERATION = 300
 #: The drag after a failed polish, in that of the settings: what still moves drifts against it.
 TAIL_DRAG = 0.5
 
@@ -84,7 +86,7 @@ class _Relaxation:
         self.simulation = self.plan.simulation(state, settings)
         self.where = named(scene, seed)
         self.steps, self.speed, self.pressure_error = 0, np.inf, np.inf
-        self.target, self.again, self.why = settings.speed, 0, ""
+        self.target, self.soonest, self.again, self.why = settings.speed, 0, 0, ""
 
     def compress(self, bar: RelaxationBar) -> None:
         """A stride of time steps, and a look."""
@@ -95,9 +97,12 @@ class _Relaxation:
         bar.show(self.steps, self.speed, self.pressure_error)
 
     def rests(self) -> bool:
-        """Slow enough, under the right pressure, and the last polish not failed not long ago."""
+        """Slow enough, under the right pressure, and no polish failed not long ago."""
         if self.pressure_error > PRESSURE_TOLERANCE or self.speed > self.settings.speed:
             return False
+        return self.steps >= self.soonest and self._slowed()
+
+    def _slowed(self) -> bool:
         return self.speed <= self.target or self.steps >= self.again
 
     def polish(self) -> tuple[Neighbours, ContactForces]:
@@ -118,7 +123,8 @@ class _Relaxation:
 
     def go_on(self, failure: PolishFailed, bar: RelaxationBar) -> None:
         """Integration continues, less dragged; the next polish is tried later, or slower."""
-        self.target, self.why = self.speed / 10, f" ({failure})"
+        self.target, self.why = self.speed / 3, f" ({failure})"
+        self.soonest = self.steps + STEPS_OF_ITERATION * failure.iterations
         self.again = self.steps + int(RETRY * self.plan.inertial / self.plan.dt)
         drag = TAIL_DRAG * self.settings.drag / self.plan.inertial
         self.simulation.drive = Drive(drag, self.scene.pressure)

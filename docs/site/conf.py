@@ -34,8 +34,9 @@ extensions = [
     "sphinx.ext.napoleon",
     "mathml",
     "csv_tables",
+    "printed_size",
     "reference",
-    "short_cells",
+    "whole_numbers",
 ]
 
 myst_enable_extensions = ["dollarmath"]

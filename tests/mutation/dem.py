@@ -71,15 +71,15 @@ DEM = (
     Mutation(
         "tangent: load of the cell, factor 2",
         "dem/balance/tangent.py",
-        "cell_row[-1] -= 2 * trial.load / self.span",
-        "cell_row[-1] -= trial.load / self.span",
+        "float(row[-1] - 2 * trial.load / self.span)",
+        "float(row[-1] - trial.load / self.span)",
         POLISH,
     ),
     Mutation(
         "tangent: turned f_t, sign",
-        "dem/balance/tangent.py",
-        "tangent -= on_grains @ diags_array(trial.tangential / trial.r)",
-        "tangent += on_grains @ diags_array(trial.tangential / trial.r)",
+        "dem/balance/blocks.py",
+        "(a * n + h * t)[:, None]",
+        "(a * n - h * t)[:, None]",
         POLISH,
     ),
     Mutation(

@@ -55,11 +55,12 @@ def _traces(task: Program, met: Any) -> tuple[float, float]:
     P = np.where(P == 0, _SHIFT, P)
     factor = splu(csc_array(block_array([[diags_array(P), E.T], [E, lower]])))
     root = np.sqrt(P[n : n + k])[:, None]
-    probes: Floats = np.eye(k)
-    weight = 1.0
+    probes: Floats
     if k > EXACT_UP_TO:
         signs = np.random.default_rng(0).integers(0, 2, (k, _PROBES))
         probes, weight = np.where(signs, 1.0, -1.0), 1 / _PROBES
+    else:
+        probes, weight = np.eye(k), 1.0
     right = np.zeros((factor.shape[0], probes.shape[1]))
     right[n : n + k] = root * probes
     kept = probes - root * factor.solve(right)[n : n + k]

@@ -29,7 +29,6 @@ from tests.packing.test_record import column
 
 EPS = np.finfo(float).eps
 CONTINUATION = sys.modules["dem.protocols.continuation"]
-PREDICTION = sys.modules["dem.balance.prediction"]
 
 
 def exact_overlaps(p: Packing) -> list[mpmath.mpf]:
@@ -256,16 +255,16 @@ def test_contacts_missed_by_a_continuation_are_found(monkeypatch):
 
 
 def test_singular_matrices_are_failures_of_the_polish(monkeypatch):
-    def singular(matrix):
+    def singular(matrix, **options):
         raise RuntimeError("Factor is exactly singular")
 
     with monkeypatch.context() as patch:
-        patch.setattr("dem.balance.tangent.splu", singular)
+        patch.setattr("dem.balance.blocks.splu", singular)
         with pytest.raises(PolishFailed, match="exactly singular"):
             refine(packing(delta=1e-5))
         with pytest.raises(NotRelaxed, match="exactly singular"):
             relax(Scene(24, 1e-1), 1, settings=Settings(longest=60.0), progress=False)
-    monkeypatch.setattr(PREDICTION, "splu", singular)
+    monkeypatch.setattr("dem.balance.blocks.splu", singular)
     with pytest.raises(PolishFailed, match="exactly singular"):
         stiffen(packing(), 1e-4)
 
