@@ -1,7 +1,7 @@
 """The compiled twin of ``disks_numpy``: the same formulas, one pair at a time (extra ``fast``).
 
-Linear springs only.
-A test holds the two together to round-off over hundreds of steps.
+It knows linear springs only.  A test holds the two together to round-off over hundreds of
+steps.
 """
 
 from __future__ import annotations
