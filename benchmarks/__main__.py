@@ -16,7 +16,9 @@ from importlib.util import find_spec
 from shutil import which
 
 from benchmarks import (
+    cost_model,
     ensembles,
+    large_packings,
     numbering,
     polish_cost,
     precision,
@@ -105,12 +107,21 @@ def _rest(run: Run) -> None:
     run.write("relaxation", table)
 
 
+def _large(run: Run) -> None:
+    most, seeds = (1_000_000, 3) if run.full else (3000, 2)
+    table = large_packings.compute(large_packings.cases(most, seeds))
+    run.keep("large_packings", large_packings.text(table))
+    run.write("large_packings", table)
+    if run.full:
+        run.keep("cost_model", cost_model.text(table))
+
+
 #: Timings against others first, while no other process of ours runs.
 PARTS: dict[str, Callable[[Run], None]] = {
     "lammps_step": _steps, "c_step": _compiled, "step_cost": _physics, "size": _sizes,
     "ensembles": _cores, "numbering": _numbering, "precision": _single, "polish_cost": _newton,
     "lammps_packing": _finished, "solvers": _equation, "solve_times": _estimators,
-    "relaxation": _rest,
+    "relaxation": _rest, "large_packings": _large,
 }  # fmt: skip
 
 

@@ -17,7 +17,17 @@ from pathlib import Path
 from types import ModuleType
 
 from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7
-from paper_figs.pages import dem_trade, floor, ladder, ramps, relaxation, ridge, rounding, solvers
+from paper_figs.pages import (
+    dem_trade,
+    floor,
+    ladder,
+    large_packings,
+    ramps,
+    relaxation,
+    ridge,
+    rounding,
+    solvers,
+)
 from paper_figs.style import write
 from studies.command_line import one_of, parser
 from studies.of_figures import OF_FIGURES
@@ -32,7 +42,9 @@ def _by_name(*modules: ModuleType) -> dict[str, ModuleType]:
 
 
 FIGURES = _by_name(fig1, fig2, fig3, fig4, fig5, fig6, fig7)
-PAGES = _by_name(ladder, ridge, dem_trade, relaxation, floor, rounding, ramps, solvers)
+PAGES = _by_name(
+    ladder, ridge, dem_trade, relaxation, floor, rounding, ramps, solvers, large_packings
+)
 NAMES = (*FIGURES, "table1", *PAGES)
 USUAL = (*FIGURES, "table1")
 STUDY_OF = {table: study for study, (table, _) in OF_FIGURES.items()}

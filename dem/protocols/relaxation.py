@@ -48,7 +48,7 @@ def come_to_rest(
     """
     relaxation = _Relaxation(state, scene, seed, settings)
     limit = relaxation.plan.limit
-    with RelaxationBar(scene.delta, settings.speed, limit, progress, PRESSURE_TOLERANCE) as bar:
+    with RelaxationBar(scene.delta, relaxation.rest, limit, progress, PRESSURE_TOLERANCE) as bar:
         while relaxation.steps < limit:
             relaxation.compress(bar)
             if not relaxation.rests():
@@ -78,7 +78,7 @@ def named(scene: Scene, seed: int | None) -> str:
 
 class _Relaxation:
     """A state on its way to rest: steps made, mean speed in √(p/ρ), error of the pressure, and the
-    speed ``target`` of the next polish."""
+    speeds of ``rest`` and ``target`` of the next polish."""
 
     def __init__(self, state: State, scene: Scene, seed: int | None, settings: Settings) -> None:
         self.scene, self.seed, self.settings = scene, seed, settings
@@ -86,7 +86,8 @@ class _Relaxation:
         self.simulation = self.plan.simulation(state, settings)
         self.where = named(scene, seed)
         self.steps, self.speed, self.pressure_error = 0, np.inf, np.inf
-        self.target, self.soonest, self.again, self.why = settings.speed, 0, 0, ""
+        self.rest = settings.speed(scene.grains)
+        self.target, self.soonest, self.again, self.why = self.rest, 0, 0, ""
 
     def compress(self, bar: RelaxationBar) -> None:
         """A stride of time steps, and a look."""
@@ -98,7 +99,7 @@ class _Relaxation:
 
     def rests(self) -> bool:
         """Slow enough, under the right pressure, and no polish failed not long ago."""
-        if self.pressure_error > PRESSURE_TOLERANCE or self.speed > self.settings.speed:
+        if self.pressure_error > PRESSURE_TOLERANCE or self.speed > self.rest:
             return False
         return self.steps >= self.soonest and self._slowed()
 
@@ -116,7 +117,7 @@ class _Relaxation:
             raise NotRelaxed(
                 f"{self.where}mean speed {self.speed:.1e} √(p/ρ), but a force residual of "
                 f"{residual:.1e} p (allowed {RESTED:g}): this velocity tolerance "
-                f"({self.settings.speed:g}) stops before rest; lower it, or polish",
+                f"({self.rest:g}) stops before rest; lower it, or polish",
                 state, self.speed, residual,
             )  # fmt: skip
         return found
@@ -143,7 +144,7 @@ class _Relaxation:
             )
         return NotRelaxed(
             f"{self.where}mean speed {self.speed:.2e} √(p/ρ) "
-            f"after {self.steps} steps, wanted {settings.speed:.0e}; largest force or torque "
+            f"after {self.steps} steps, wanted {self.rest:.0e}; largest force or torque "
             f"residual {residual:.2e} p{self.why}. Allow more time (longest = "
             f"{settings.longest:g}), a drag nearer 1 (now {settings.drag:g}), or no dashpot (now "
             f"{settings.dashpot:g}){double}",
