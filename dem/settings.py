@@ -19,8 +19,8 @@ LIMITS = {
     "skin": (1e-3, 2.0),
     "longest": (1e-3, 1e6),
 }
-#: Grains from which the mean speed has to be lower, as their inverse: one group of grains hardly
-#: shows in it.
+#: Grains from which a mean speed is awaited that is lower, as their inverse: one group of grains
+#: that still moves hardly shows in it.
 LARGE = 10_000
 #: A time step above this fraction of √(m_eff/κ) may not come to rest: 1.0 does at every Δ, 1.5
 #: at none (2 is the stability limit of a single contact, and a grain has several).
@@ -45,8 +45,9 @@ class Settings:
     dashpot : float
         Normal contact dashpot in units of √(m κ) of a mean grain; keep it 0 (see ``model.law``).
     velocity_tolerance : float, optional
-        Mean speed, in ⟨σ⟩√(p/ρ)/⟨σ⟩, at which integration ends.  None: 1e-5 with the polish (0.1/N
-        from 10 000 grains on), else the Comment's 1e-8; in float32 1e-4 and 1e-5.
+        Mean speed, in ⟨σ⟩√(p/ρ)/⟨σ⟩, at which integration ends.  None: 1e-5 with the polish, else
+        the Comment's 1e-8; in float32 1e-4 and 1e-5.  More than 10 000 grains are given 10 000
+        steps more to come to 0.1/N.
     residual_tolerance : float
         Largest force or torque residual of a polished packing, in p⟨σ⟩; where Newton's method
         stalls above it, integration goes on.
@@ -73,7 +74,7 @@ class Settings:
     Examples
     --------
     >>> from dem import Settings
-    >>> Settings().speed(1000), Settings(polish=False).speed(1000)
+    >>> Settings().speed, Settings(polish=False).speed
     (1e-05, 1e-08)
     """
 
@@ -117,10 +118,16 @@ class Settings:
         """Its fields as plain values, for the record of a packing."""
         return asdict(self)
 
-    def speed(self, grains: int) -> float:
-        """The mean speed of so many grains at which integration ends, in √(p/ρ)."""
+    @property
+    def speed(self) -> float:
+        """The mean speed at which integration ends, in √(p/ρ)."""
         if self.velocity_tolerance is not None:
             return self.velocity_tolerance
         if self.precision == "float32":  # its noise keeps grains at 2e-5 at Δ = 1e-4
             return 1e-4 if self.polish else 1e-5
-        return 1e-5 * min(1.0, LARGE / grains) if self.polish else 1e-8
+        return 1e-5 if self.polish else 1e-8
+
+    def awaited(self, grains: int) -> float:
+        """The mean speed that so many grains should have before the first polish, if it comes."""
+        waits = self.velocity_tolerance is None and self.polish and self.precision == "float64"
+        return self.speed * min(1.0, LARGE / grains) if waits else self.speed

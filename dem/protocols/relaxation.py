@@ -31,6 +31,8 @@ STRIDE = 200
 PRESSURE_TOLERANCE = 0.01
 #: Largest force residual, in p, of a packing that is not polished.
 RESTED = 1e-3
+#: Steps that a large packing at the speed of rest is given to slow down further.
+WAIT = 10_000
 #: After a failed polish: inertial times until the next, unless the speed falls to a third before.
 RETRY = 10.0
 #: But no sooner than after time steps that cost what failed: so many an iteration of Newton's.
@@ -48,7 +50,7 @@ def come_to_rest(
     """
     relaxation = _Relaxation(state, scene, seed, settings)
     limit = relaxation.plan.limit
-    with RelaxationBar(scene.delta, relaxation.rest, limit, progress, PRESSURE_TOLERANCE) as bar:
+    with RelaxationBar(scene.delta, settings.speed, limit, progress, PRESSURE_TOLERANCE) as bar:
         while relaxation.steps < limit:
             relaxation.compress(bar)
             if not relaxation.rests():
@@ -78,7 +80,7 @@ def named(scene: Scene, seed: int | None) -> str:
 
 class _Relaxation:
     """A state on its way to rest: steps made, mean speed in √(p/ρ), error of the pressure, and the
-    speeds of ``rest`` and ``target`` of the next polish."""
+    speed ``target`` of the next polish."""
 
     def __init__(self, state: State, scene: Scene, seed: int | None, settings: Settings) -> None:
         self.scene, self.seed, self.settings = scene, seed, settings
@@ -86,8 +88,8 @@ class _Relaxation:
         self.simulation = self.plan.simulation(state, settings)
         self.where = named(scene, seed)
         self.steps, self.speed, self.pressure_error = 0, np.inf, np.inf
-        self.rest = settings.speed(scene.grains)
-        self.target, self.soonest, self.again, self.why = self.rest, 0, 0, ""
+        self.target, self.why = settings.awaited(scene.grains), ""
+        self.soonest, self.again = 0, self.plan.limit
 
     def compress(self, bar: RelaxationBar) -> None:
         """A stride of time steps, and a look."""
@@ -99,8 +101,9 @@ class _Relaxation:
 
     def rests(self) -> bool:
         """Slow enough, under the right pressure, and no polish failed not long ago."""
-        if self.pressure_error > PRESSURE_TOLERANCE or self.speed > self.rest:
+        if self.pressure_error > PRESSURE_TOLERANCE or self.speed > self.settings.speed:
             return False
+        self.again = min(self.again, self.steps + WAIT)
         return self.steps >= self.soonest and self._slowed()
 
     def _slowed(self) -> bool:
@@ -117,7 +120,7 @@ class _Relaxation:
             raise NotRelaxed(
                 f"{self.where}mean speed {self.speed:.1e} √(p/ρ), but a force residual of "
                 f"{residual:.1e} p (allowed {RESTED:g}): this velocity tolerance "
-                f"({self.rest:g}) stops before rest; lower it, or polish",
+                f"({self.settings.speed:g}) stops before rest; lower it, or polish",
                 state, self.speed, residual,
             )  # fmt: skip
         return found
@@ -144,7 +147,7 @@ class _Relaxation:
             )
         return NotRelaxed(
             f"{self.where}mean speed {self.speed:.2e} √(p/ρ) "
-            f"after {self.steps} steps, wanted {self.rest:.0e}; largest force or torque "
+            f"after {self.steps} steps, wanted {settings.speed:.0e}; largest force or torque "
             f"residual {residual:.2e} p{self.why}. Allow more time (longest = "
             f"{settings.longest:g}), a drag nearer 1 (now {settings.drag:g}), or no dashpot (now "
             f"{settings.dashpot:g}){double}",
