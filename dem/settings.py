@@ -19,9 +19,9 @@ LIMITS = {
     "skin": (1e-3, 2.0),
     "longest": (1e-3, 1e6),
 }
-#: Grains from which a mean speed is awaited that is lower, as their inverse: one group of grains
-#: that still moves hardly shows in it.
-LARGE = 10_000
+#: Grains from which a mean speed is awaited that is lower, as their inverse, since one group that
+#: still moves hardly shows in it; and the lowest (√(p/ρ)), which some group never comes below.
+LARGE, LOWEST_AWAITED = 1000, 1e-6
 #: A time step above this fraction of √(m_eff/κ) may not come to rest: 1.0 does at every Δ, 1.5
 #: at none (2 is the stability limit of a single contact, and a grain has several).
 LONGEST_TIME_STEP = 1.0
@@ -46,8 +46,8 @@ class Settings:
         Normal contact dashpot in units of √(m κ) of a mean grain; keep it 0 (see ``model.law``).
     velocity_tolerance : float, optional
         Mean speed, in ⟨σ⟩√(p/ρ)/⟨σ⟩, at which integration ends.  None: 1e-5 with the polish, else
-        the Comment's 1e-8; in float32 1e-4 and 1e-5.  More than 10 000 grains are given 10 000
-        steps more to come to 0.1/N.
+        the Comment's 1e-8; in float32 1e-4 and 1e-5.  More than 1000 grains are given 10 000
+        steps more to come to 0.01/N, or 1e-6 if that is more.
     residual_tolerance : float
         Largest force or torque residual of a polished packing, in p⟨σ⟩; where Newton's method
         stalls above it, integration goes on.
@@ -130,4 +130,4 @@ class Settings:
     def awaited(self, grains: int) -> float:
         """The mean speed that so many grains should have before the first polish, if it comes."""
         waits = self.velocity_tolerance is None and self.polish and self.precision == "float64"
-        return self.speed * min(1.0, LARGE / grains) if waits else self.speed
+        return max(self.speed * min(1.0, LARGE / grains), LOWEST_AWAITED) if waits else self.speed
