@@ -13,11 +13,10 @@ import io
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout
 from importlib.util import find_spec
+from shutil import which
 
 from benchmarks import (
     ensembles,
-    lammps_packing,
-    lammps_step,
     numbering,
     polish_cost,
     precision,
@@ -27,6 +26,7 @@ from benchmarks import (
     solvers,
     step_cost,
 )
+from benchmarks.other_codes import c_step, lammps_packing, lammps_step
 from dem import Scene, refine, relax
 from studies.command_line import one_of, parser
 from studies.run import Run
@@ -37,6 +37,14 @@ def _steps(run: Run) -> None:
         print("LAMMPS is not installed (extra 'bench'): no comparison of steps")
         return
     run.keep("lammps_step", lammps_step.text(lammps_step.compute()))
+
+
+def _compiled(run: Run) -> None:
+    if find_spec("numba") is None or which("gcc") is None:
+        print("gcc or Numba is not installed: no comparison with C")
+        return
+    sizes = (1000, 10_000, 100_000) if run.full else (1000, 10_000)
+    run.keep("c_step", c_step.text({n: c_step.compute(n) for n in sizes}))
 
 
 def _physics(run: Run) -> None:
@@ -99,8 +107,8 @@ def _rest(run: Run) -> None:
 
 #: Timings against others first, while no other process of ours runs.
 PARTS: dict[str, Callable[[Run], None]] = {
-    "lammps_step": _steps, "step_cost": _physics, "size": _sizes, "ensembles": _cores,
-    "numbering": _numbering, "precision": _single, "polish_cost": _newton,
+    "lammps_step": _steps, "c_step": _compiled, "step_cost": _physics, "size": _sizes,
+    "ensembles": _cores, "numbering": _numbering, "precision": _single, "polish_cost": _newton,
     "lammps_packing": _finished, "solvers": _equation, "solve_times": _estimators,
     "relaxation": _rest,
 }  # fmt: skip

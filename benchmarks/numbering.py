@@ -15,10 +15,10 @@ from unittest.mock import patch
 import numpy as np
 
 from benchmarks.size import BASE, DELTA
-from benchmarks.tiling import tiled
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
 from dem.motion.kernels.disks_numpy import BLOCK
 from dem.protocols.loose_gas import along_strips
+from scaling import ContactNetwork, tiled
 from studies.error_bars import spread
 
 REPEATS = 5
@@ -35,7 +35,7 @@ def cases(copies: int) -> list[Case]:
 
 def state(packing: Packing, name: str, n: int) -> State:
     """The tiled packing, its grains numbered so."""
-    network, _ = tiled(packing, n)
+    network = tiled(ContactNetwork.from_packing(packing), n)
     x = network.positions
     order = np.random.default_rng(1).permutation(len(x)) if name == RANDOM else along_strips(x)
     return State(x[order], network.radii[order], cell=network.cell)

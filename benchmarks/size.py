@@ -19,10 +19,10 @@ from importlib.util import find_spec
 import numpy as np
 from scipy.sparse.linalg import lsmr
 
-from benchmarks.tiling import tiled
 from dem import ContactLaw, Drive, Packing, Scene, State, relax, step
 from dem.motion.backends import PRECISIONS
-from scaling import force_equation
+from packing.arguments.arrays import Floats
+from scaling import ContactNetwork, force_equation, tiled, tiled_forces
 from studies.error_bars import spread
 
 DELTA, BASE = 1e-3, 1000
@@ -64,8 +64,16 @@ def _run(state: State, backend: str, precision: str, steps: int) -> None:
     )  # fmt: skip
 
 
+def _tiled(packing: Packing, n: int) -> ContactNetwork:
+    return tiled(ContactNetwork.from_packing(packing), n)
+
+
+def _forces(packing: Packing, n: int) -> Floats:
+    return tiled_forces(ContactNetwork.from_packing(packing), packing.forces, n)
+
+
 def _state(packing: Packing, n: int) -> State:
-    network, _ = tiled(packing, n)
+    network = _tiled(packing, n)
     return State(network.positions, network.radii, cell=network.cell)
 
 
@@ -91,7 +99,7 @@ def _step(task: tuple[str, Packing, int]) -> list[Row]:
 
 def _step_memory(task: tuple[str, str, Packing, int]) -> Memory:
     backend, precision, packing, n = task
-    network, _ = tiled(packing, n)
+    network = _tiled(packing, n)
     _run(State(packing.positions, packing.radii, cell=packing.cell), backend, precision, 2)
 
     def work() -> None:
@@ -103,20 +111,21 @@ def _step_memory(task: tuple[str, str, Packing, int]) -> Memory:
 def _assemble(task: tuple[Packing, int]) -> list[Row]:
     spent = []
     for _ in range(REPEATS):
-        network, _ = tiled(*task)
+        network = _tiled(*task)
         spent.append(_seconds(lambda n=network: force_equation(n).G) / network.grains * 1e6)
     return [("assembly", network.grains, spent)]
 
 
 def assembly_memory(task: tuple[Packing, int]) -> Memory:
     """What assembly of G allocates, in bytes per grain."""
-    networks = [tiled(*task)[0] for _ in range(2)]
+    networks = [_tiled(*task) for _ in range(2)]
     grains = networks[0].grains
     return "assembly", grains, *_memory(lambda: force_equation(networks.pop()).G, grains)
 
 
 def _lsmr(task: tuple[Packing, int]) -> tuple[int, Callable[[], object]]:
-    network, true = tiled(*task)
+    network = _tiled(*task)
+    true = _forces(*task)
     G = force_equation(network).G
     b = G @ (true * (1 + 0.3 * np.random.default_rng(1).standard_normal(len(true))))
     return network.grains, lambda: lsmr(G, b, atol=1e-8, btol=1e-8, conlim=0)

@@ -21,9 +21,8 @@ from scipy.linalg import cho_factor, cho_solve, qr, solve_triangular, svd
 from scipy.sparse import bmat, csc_array, eye_array
 from scipy.sparse.linalg import lsmr, splu
 
-from benchmarks.tiling import tiled
 from dem import Packing
-from scaling import force_equation, relative_error
+from scaling import ContactNetwork, force_equation, relative_error, tiled, tiled_forces
 from scaling.algebra.least_squares import LeastSquares
 from studies.error_bars import exponent, spread
 
@@ -105,7 +104,8 @@ def _resident() -> float:
 def measure(task: tuple[str, int, Packing, int]) -> tuple[Any, ...]:
     """One solve in a fresh process."""
     name, repeat, packing, n = task
-    network, true = tiled(packing, n)
+    one = ContactNetwork.from_packing(packing)
+    network, true = tiled(one, n), tiled_forces(one, packing.forces, n)
     G = force_equation(network).G
     true = true * (1 + 0.3 * np.random.default_rng(n).standard_normal(len(true)))
     b = G @ true

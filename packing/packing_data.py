@@ -1,9 +1,11 @@
-"""The numbers of a packing, and what follows from them without a question asked.
+"""The numbers of a packing, and what follows from them alone.
 
 Signs and order as everywhere: contact (i, j) with i < j, n from i to j, t = n turned by +90°,
 force on i  -f_n n + f_t t,  torque on i and j  R f_t.  Equilibrium of grain i:
 
-    Σ_e (-f_n n + f_t t) s_ie + F_ext,i = 0,      Σ_e R_i f_t,e + T_ext,i = 0.
+    Σ_e (-f_n n + f_t t) s_ie + F_ext,i = 0,      Σ_e R_i f_t,e + T_ext,i = 0,
+
+with s_ie = 1 on the first grain of contact e and -1 on the second.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Where a packing comes from: what it was asked to be, how it was made, how well it rests.
 
-All of it plain values (``packing.plain_values``), so that a file holds it; None is what nobody
-knows.
+All of it is plain values (``packing.plain_values``), so that a file can hold it. None stands
+for what nobody knows.
 """
 
 from __future__ import annotations

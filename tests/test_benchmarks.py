@@ -13,21 +13,22 @@ import pytest
 
 from benchmarks import __main__ as bench
 from benchmarks import relaxation, size, solvers
-from benchmarks.tiling import tiled
 from dem import refine, relax
 from paper_figs import __main__ as figures
-from scaling import force_equation, reconstruct, relative_error
+from scaling import force_equation, reconstruct, relative_error, tiled, tiled_forces
 from studies.packing_store import FULL, QUICK, ROOT
 from studies.registry import STUDIES
 from studies.run import Run
 from tests.conftest import packing
+from tests.scaling.packings import network_of
 from tests.test_layers import tops
 
 
 def test_tiles_are_the_same_packing_many_times():
     """n × n copies: n² times the contacts and faces, the same forces, C and condition O(1)."""
     p = refine(packing(grains=48, delta=1e-3))
-    network, forces = tiled(p, 3)
+    one = network_of(p)
+    network, forces = tiled(one, 3), tiled_forces(one, p.forces, 3)
     assert network.contacts == 9 * len(p.pairs)
     assert network.faces == network.contacts - len(network.active)
     assert relative_error(reconstruct(network, p.stiffness).forces, forces) < 1e-11
@@ -38,7 +39,7 @@ def test_every_solver_finds_the_forces(monkeypatch):
     times the tolerance it was given."""
     monkeypatch.setattr(solvers, "PATIENCE", 0.0)
     p = refine(packing(grains=48, delta=1e-3))
-    condition = force_equation(tiled(p, 1)[0]).conditioning.condition
+    condition = force_equation(tiled(network_of(p), 1)).conditioning.condition
     for name in solvers.SOLVERS:
         *_, error = solvers.measure((name, 0, p, 1))
         allowed = 1e-15 * condition**2
@@ -87,10 +88,11 @@ def test_makefile_runs_them_as_modules(name):
 
 PROGRAMS = [
     "benchmarks",
+    "benchmarks.other_codes.c_step",
     "benchmarks.relaxation",
     "benchmarks.step_cost",
-    "benchmarks.lammps_packing",
-    "benchmarks.lammps_step",
+    "benchmarks.other_codes.lammps_packing",
+    "benchmarks.other_codes.lammps_step",
     "paper_figs",
     "studies",
 ]

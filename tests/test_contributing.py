@@ -60,9 +60,17 @@ def test_the_estimator_responds_as_it_finds(made):
     np.testing.assert_allclose(found[1] - found[0], expected, atol=1e-9 * abs(expected).max())
 
 
-def test_the_format_names_the_file_that_lacks_something(made, tmp_path):
-    (tmp_path / "half.json").write_text('{"positions": []}')
-    with pytest.raises(ValueError, match=r"half\.json is not a whole packing: radii is missing"):
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"positions": []}', "radii is missing"),
+        ('{"positions": [[0.1, 0.2', "Expecting ',' delimiter"),  # cut off
+        ("", "Expecting value"),
+    ],
+)
+def test_the_format_names_the_file_that_lacks_something(made, tmp_path, text, message):
+    (tmp_path / "half.json").write_text(text)
+    with pytest.raises(ValueError, match=rf"half\.json is not a whole packing: {message}"):
         made["read"](tmp_path / "half.json")
 
 

@@ -13,13 +13,15 @@ A last row and column are those of the cell.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
-from scipy.sparse import bsr_array, coo_array, csc_array
+from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
+from dem.balance.pattern import Pattern
 from dem.balance.trial import Trial
 from packing.arguments.arrays import Floats, Integers
 
@@ -66,59 +68,40 @@ class GrainBlocks:
         on = np.flatnonzero(trial.bearing)
         i, j = self.rank[trial.near.columns[:, on]]
         each = np.arange(self.count)
-        shifts = np.broadcast_to(shift, (self.count,))[self.order, None, None]
-        diagonal = -shifts * np.eye(self.unknowns)
-        # Blocks of columns are sought: transposed, they are rows of the transpose.
-        keys = np.concatenate([i, j, i, j, each]) * self.count + np.concatenate([i, i, j, j, each])
-        blocks = np.concatenate([*self._blocks(trial, response, on), diagonal])
-        order = np.argsort(keys, kind="stable")
-        keys = keys[order]
-        first = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
-        merged = np.add.reduceat(blocks[order], first, axis=0)
-        rows, columns = np.divmod(keys[first], self.count)
-        ends = np.searchsorted(rows, np.arange(self.count + 1))
-        size = self.count * self.unknowns
-        transpose = bsr_array((merged, columns, ends), shape=(size, size)).tocsr()
-        return self._bordered(transpose.data, transpose.indices, transpose.indptr, border)
-
-    def _blocks(self, trial: Trial, response: Response, on: Integers) -> list[np.ndarray]:
-        """The transposed blocks ii, ij, ji, jj of the contacts ``on``."""
-        n = trial.n[on].view(float).reshape(-1, 2)
-        t = np.column_stack([-n[:, 1], n[:, 0]])
-        a, b, s, g, h = (
-            x[on, None] for x in (response.normal, response.slip, response.slide,
-                                  response.turning_normal, response.turning_tangential)
+        pattern = Pattern(
+            np.concatenate([i, i, j, j, each]), np.concatenate([i, j, i, j, each]),
+            self.count, self.unknowns,
         )  # fmt: skip
-        p = (
-            n[:, :, None] * (a * n + h * t)[:, None]
-            + t[:, :, None] * ((g - b) * t - s * n)[:, None]
+        shifts = np.broadcast_to(shift, (self.count,))[self.order]
+        entries = (
+            (r, q, np.concatenate([*values, -shifts if r == q else np.zeros(self.count)]))
+            for r, q, values in self._blocks(trial, response, on)
         )
-        found = []
-        for row, column in ((1, 1), (1, -1), (-1, 1), (-1, -1)):  # + for i, - for j
-            block = np.zeros((len(on), 3, 3))
-            block[:, :2, :2] = row * column * p.transpose(0, 2, 1)
-            block[:, 2, :2] = -row * b * t
-            block[:, :2, 2] = -column * (b * t + s * n)
-            block[:, 2, 2] = -b[:, 0]
-            found.append(block[:, : self.unknowns, : self.unknowns])
-        return found
+        inner = self.place[:-1]
+        return pattern.matrix(entries, border.row[inner], border.column[inner], border.corner)
 
-    def _bordered(self, data: Floats, rows: Integers, ends: Integers, border: Border) -> csc_array:
-        size = self.count * self.unknowns
-        grown = ends.astype(np.int64) + np.arange(size + 1)
-        inside = np.ones(grown[-1], bool)
-        inside[grown[1:] - 1] = False
-        values, indices = np.empty(grown[-1]), np.full(grown[-1], size, rows.dtype)
-        values[inside], indices[inside] = data, rows
-        values[~inside] = border.row[self.place[:-1]]
-        return csc_array(
-            (
-                np.concatenate([values, border.column[self.place[:-1]], [border.corner]]),
-                np.concatenate([indices, np.arange(size + 1, dtype=rows.dtype)]),
-                np.append(grown, grown[-1] + size + 1),
-            ),
-            shape=(size + 1, size + 1),
-        )
+    def _blocks(
+        self, trial: Trial, response: Response, on: Integers
+    ) -> Iterator[tuple[int, int, list[Floats]]]:
+        """Row r, column q, and the entries there of the blocks ii, ij, ji, jj of the contacts."""
+        n = trial.n[on].view(float).reshape(-1, 2).T
+        t = np.array([-n[1], n[0]])
+        a, b, s, g, h = (
+            x[on] for x in (response.normal, response.slip, response.slide,
+                            response.turning_normal, response.turning_tangential)
+        )  # fmt: skip
+        for r, q in product(range(self.unknowns), repeat=2):
+            if r < 2 and q < 2:
+                p = n[r] * (a * n[q] + h * t[q]) + t[r] * ((g - b) * t[q] - s * n[q])
+                yield r, q, [p, -p, -p, p]
+            elif r < 2:
+                turned = -b * t[r]
+                yield r, q, [turned, turned, -turned, -turned]
+            elif q < 2:
+                twist = -(b * t[q] + s * n[q])
+                yield r, q, [twist, -twist, twist, -twist]
+            else:
+                yield r, q, [-b, -b, -b, -b]
 
     def in_layout_of_moves(self, matrix: csc_array) -> csc_array:
         """``matrix`` with rows and columns as those of y; what has no unknown is 0."""

@@ -1,7 +1,9 @@
 """A periodic cell, sheared or not: contact (i, j, m) joins x_i to x_j + m·cell.
 
-branch   x_j - x_i + m·cell                 walks close to Λ = Σ ± m·cell
-virial   Σ_e f_n r = 2 p A ,   A the area of the cell
+    branch   x_j - x_i + m·cell ;    branches around a loop add up to Λ = Σ ± m·cell
+    virial   Σ_e f_n r = 2 p A ,     A the area of the cell
+
+The rows of ``cell`` are the lattice vectors, m are two integers, p is the pressure.
 """
 
 from __future__ import annotations

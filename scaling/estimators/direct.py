@@ -2,8 +2,8 @@
 
     f_n = κ (σ - r) ,     min |M_t f_t + F_ext + M_n f_n|²
 
-That it needs the same precision as `gppsz` is the Comment's answer to GPPSZ's claim (ii). Any
-contact law does, f_n = f(σ - r).
+σ is the sum of the radii and r the distance of the centres. Any contact law f_n = f(σ - r) will
+do. That this needs the same precision as `gppsz` is the Comment's answer to GPPSZ's claim (ii).
 """
 
 from __future__ import annotations

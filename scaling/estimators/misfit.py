@@ -1,10 +1,11 @@
 """Is the noise found in the data the noise that was told?
 
 Estimates that weigh noise assume y = ξ η, η standard normals, and find the most probable η that
-leaves a packing in balance. For data made by that noise |η|² is χ² of as many degrees of freedom
-d as there are conditions that the noise alone has to meet: misfit = |η|²/d has mean 1 and variance
-2/d. Much above, the noise is stronger than told, or data or balance are wrong; much below, weaker.
-What d is: `scaling.estimators.optimal.conditions`, `scaling.estimators.bounded.conditions`.
+leaves a packing in balance. For data made by that noise |η|² is χ² of d degrees of freedom, the
+number of conditions that the noise alone has to meet. So misfit = |η|²/d has mean 1 and
+variance 2/d. A misfit much above 1 says that the noise is stronger than told, or that data or
+balance are wrong; one much below 1 says that it is weaker. d is found in
+`scaling.estimators.optimal.conditions` and `scaling.estimators.bounded.conditions`.
 """
 
 from __future__ import annotations

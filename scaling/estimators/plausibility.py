@@ -1,9 +1,10 @@
-"""Data at odds with themselves: overlaps that are none, forces beyond the friction told.
+"""Data at odds with themselves: impossible overlaps, and forces beyond the friction told.
 
-Contacts of real grains are compressed by a small part of their diameter; beyond ⟨δ⟩ = 0.2 ⟨σ⟩ no
-contact law holds, and what looks like such overlaps is diameters taken for radii (⟨δ⟩ = 0.5 ⟨σ⟩,
-all forces exactly doubled) or lengths in two units.  Where only directions are known, loops
-that wind a periodic cell say the same: Σ ± σ n is too long for the lattice vector Λ it spans.
+Contacts of real grains are compressed by a small part of their diameter. Beyond ⟨δ⟩ = 0.2 ⟨σ⟩
+no contact law holds: such overlaps come from diameters taken for radii (⟨δ⟩ = 0.5 ⟨σ⟩, all
+forces exactly doubled) or from lengths in two units. Where only directions are known, loops
+that wind around a periodic cell tell the same: Σ ± σ n is too long for the lattice vector Λ
+that it spans.
 """
 
 from __future__ import annotations

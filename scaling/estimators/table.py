@@ -1,4 +1,4 @@
-"""The estimators, by name: the one table. A new one is one file, and one line here."""
+"""The table of the estimators, by name. A new one is one file, and one line here."""
 
 from __future__ import annotations
 

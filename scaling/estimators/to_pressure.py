@@ -1,4 +1,4 @@
-"""Forces known up to one factor, as where the stiffness is not known: the pressure gives it."""
+"""Forces known up to a factor, as where the stiffness is unknown; the pressure gives it."""
 
 from __future__ import annotations
 

@@ -78,8 +78,8 @@ DEM = (
     Mutation(
         "tangent: turned f_t, sign",
         "dem/balance/blocks.py",
-        "(a * n + h * t)[:, None]",
-        "(a * n - h * t)[:, None]",
+        "a * n[q] + h * t[q]",
+        "a * n[q] - h * t[q]",
         POLISH,
     ),
     Mutation(

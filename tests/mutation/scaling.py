@@ -8,8 +8,8 @@ NOISE = ("tests/scaling/noise/test_measurement_noise.py",)
 GAIN = ("tests/scaling/uncertainty/test_amplification.py",)
 NETWORK = ("tests/scaling/geometry/test_contact_network.py",)
 EQUATION = ("tests/scaling/equation/test_force_equation.py",)
-LOOPS = ("tests/scaling/geometry/test_loops.py",)
-WINDINGS = ("tests/scaling/geometry/test_shortest_windings.py",)
+LOOPS = ("tests/scaling/geometry/topology/test_loops.py",)
+WINDINGS = ("tests/scaling/geometry/topology/test_shortest_windings.py",)
 STRESS = ("tests/scaling/observables/test_stress_and_error.py",)
 
 SCALING = (

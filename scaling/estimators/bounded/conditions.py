@@ -1,12 +1,16 @@
 """How many conditions the noise has to meet in `bounded`: the degrees of freedom of its misfit.
 
-    d = tr P ,    P the projection on the conditions, of the block of η
+    d = tr A ,    A the block of η in P
 
-where the prior is noise of the forces, so P is no projection within η: strong noise is told by
-balance alone, and what the forces give way to leaves η short. Bounds that are met with equality
-are conditions too. With all of them, tr P is the mean of |η|² or above it; without them,
-tr P² of the forces fixed is the mean or below it. The misfit refers to the first; too small is
-only what is improbable for the second.
+η are the sources of noise, as standard normals. The prior counts as noise of the forces, and P
+is the projection of both noises on the conditions. A itself is no projection: forces may give
+way to a condition, and then less of η is found. Where the noise is strong, only balance says
+what η is.
+
+Bounds that are met with equality are conditions too. With all of them tr A is the mean of |η|²
+or above it. Without them tr A², the mean for fixed forces, is the mean of |η|² or below it. The
+misfit is |η|²/tr A. The noise counts as weaker than told only if |η|² is improbably small for
+tr A².
 """
 
 from __future__ import annotations
@@ -55,11 +59,12 @@ def _traces(task: Program, met: Any) -> tuple[float, float]:
     P = np.where(P == 0, _SHIFT, P)
     factor = splu(csc_array(block_array([[diags_array(P), E.T], [E, lower]])))
     root = np.sqrt(P[n : n + k])[:, None]
-    probes: Floats = np.eye(k)
-    weight = 1.0
+    probes: Floats
     if k > EXACT_UP_TO:
         signs = np.random.default_rng(0).integers(0, 2, (k, _PROBES))
         probes, weight = np.where(signs, 1.0, -1.0), 1 / _PROBES
+    else:
+        probes, weight = np.eye(k), 1.0
     right = np.zeros((factor.shape[0], probes.shape[1]))
     right[n : n + k] = root * probes
     kept = probes - root * factor.solve(right)[n : n + k]

@@ -6,20 +6,25 @@
                  f_n = κ (σ̃ - r̃ - B y)                 data="all"
                  Q f_n = κ (Q|σ̃⟩ - Λ - Q B y)          data="sizes"
 
-a convex quadratic program, solved by clarabel (interior point). B y is the effect of the noise
-on the data, see `scaling.noise.noise_model`. Noisy positions turn directions, so M in the first
-condition is M(x̃) - D y: no grain has to balance in directions that are wrong, but the y that
-rights it is the same that rights the overlaps, and weighed. What is linear in y is wrong by ~ξ²/Δ
-in forces; near isostaticity (without friction) that can leave nothing feasible: then it is noise
-of its own. The prior: mean f̄ = 2 p A/Σ r, a = 1 and b = 1/2. For ξ << Δ the data decide; for ξ
->> Δ what no datum sees is left at the mean of the prior, as near as balance, pressure and
-inequalities allow, so the error saturates where that of unbiased estimates grows as ξ/Δ. Without
-inequalities it would too, at a higher level, and without a prior, as they leave a bounded set. A
-wrong friction or pressure costs most where the data are good (docs/estimators.md).
+σ̃ and r̃ are the data, y is their noise of strength ξ, and B y its effect on the overlaps
+(`scaling.noise.noise_model`). This is a convex quadratic program, solved by clarabel (interior
+point).
 
-Where distances are no data, in data="sizes" and for ξ = ∞, the pressure needs none: the forces
-across the sides of the cell say it (`scaling.estimators.bounded.program`).
-On open networks p is not needed: that the loads are balanced says Σ f_n r = 2 p A = -Σ x·F.
+Noisy positions turn directions, so M in the first condition is M(x̃) - D y, with D y the effect
+of the noise on balance. The same y corrects directions and overlaps, and it is weighed. To
+leave out what is quadratic in y makes forces wrong by ~ξ²/Δ. Near isostaticity, without
+friction, that may leave nothing feasible; the second order is then let in as noise of its own.
+
+The prior has the mean f̄ = 2 p A/Σ r, a = 1 and b = 1/2. For ξ << Δ the data decide. For ξ >>
+Δ, what no datum sees stays at the mean of the prior, as near as balance, pressure and
+inequalities allow. The error therefore saturates, where that of unbiased estimates grows as
+ξ/Δ. It would also saturate without inequalities, at a higher level, and without a prior, since
+inequalities leave a bounded set. A wrong friction or pressure costs most where the data are
+good (docs/wrong_knowledge.md).
+
+Where distances are no data, in data="sizes" and for ξ = ∞, the condition of the pressure needs
+none: the forces across the sides of the cell state it (`scaling.estimators.bounded.program`).
+Open networks need no p: since the loads are balanced, Σ f_n r = -Σ x·F holds instead.
 """
 
 from __future__ import annotations

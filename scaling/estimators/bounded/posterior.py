@@ -1,6 +1,9 @@
 """What `bounded` knows: a prior, data and how good they are, friction and the pressure.
 
-Σ f_n r = 2 p A  of a periodic cell,  -Σ x·F  of the loads if open;   f̄ = Σ f_n r/Σ r
+    f̄ = Σ f_n r/Σ r ,    Σ f_n r = 2 p A in a periodic cell,  -Σ x·F if open
+
+f̄ is the mean normal force, weighed with the distances r of the centres; p is the pressure, A
+the area of the cell, and F the load on the grain at x.
 """
 
 from __future__ import annotations

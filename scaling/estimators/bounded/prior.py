@@ -1,6 +1,7 @@
 """What forces are before any geometry is measured: f_n = f̄ (m ± a), f_t = 0 ± b f̄.
 
-f̄ = Σ f_n r/Σ r is known, from the pressure or the loads; m = 1, a = 1 and b = 1/2 are little.
+f̄ = Σ f_n r/Σ r is known, from the pressure or the loads. m = 1, a = 1 and b = 1/2 assume
+little.
 """
 
 from __future__ import annotations

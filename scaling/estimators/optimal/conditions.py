@@ -1,11 +1,14 @@
 """How many conditions the noise alone has to meet in `optimal`: the freedom of its misfit.
 
-    d = rank [C, -M_t] - rank M_t        data="all"
+    d = rank [C, -M_t] - rank M_t              data="all"
     d = rank [0, M ; Q B, (Q, 0)] - rank G     data="sizes"
 
-since the η found is the projection of the true one on d directions. d is counted, per component:
-balances less those met whatever the noise (two translations; moments are left free), less
-transverse forces, at most the sizes that enter. Small problems are decomposed.
+C, B and M_t are those of `scaling.estimators.optimal.least_noise`. The η found is the
+projection of the true one on d directions.
+
+Small problems are decomposed. In large ones d is counted, for each connected component: it is
+the number of balances, less those that are met whatever the noise (two translations; moments
+are left free), less that of transverse forces. It is at most the number of sources that act.
 """
 
 from __future__ import annotations

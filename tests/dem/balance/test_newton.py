@@ -228,3 +228,24 @@ def test_stiff_tangential_springs_come_to_rest():
     """The time step follows the stiffer of the two springs."""
     p = relax(Scene(32, 1e-2, stiffness_ratio=30.0), 1)
     assert p.residuals().max() <= 1e-9
+
+
+@pytest.mark.parametrize("rings", [3, 300])
+def test_a_group_that_moves_damps_its_neighbours_alone(monkeypatch, rings):
+    """Where one grain rolls the tangent is shifted by its residual, and by nothing in nearly all
+    the packing.  Control: within 300 contacts of it lies every grain."""
+    p, shifts, real = packing(grains=300, delta=1e-2, seed=1), [], Equilibrium.factorise
+
+    def spy(balance, trial, shift=PIN):
+        shifts.append(np.broadcast_to(shift, (balance.count,)))
+        return real(balance, trial, shift)
+
+    monkeypatch.setattr(Equilibrium, "factorise", spy)
+    monkeypatch.setattr(polish_module, "RINGS", rings)
+    state = with_a_roller(p, 2.0)
+    polish(state, find_neighbours(state, 0.1), ContactLaw(), p.pressure)
+    first, roller = shifts[0], len(p.radii)
+    assert first[roller] > 1e-4
+    damped = np.isin(np.arange(roller), p.pairs) & (first[:-1] > 1e-3 * first[roller])
+    share = damped.sum() / len(np.unique(p.pairs))
+    assert 0 < share < 0.2 if rings == 3 else share > 0.99

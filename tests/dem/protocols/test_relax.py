@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import pickle
 import re
+import sys
 
 import numpy as np
 import pytest
 
-from dem import ContactLaw, Drive, NotRelaxed, Packing, Scene, Settings, relax, step
+from dem import ContactLaw, Drive, NotRelaxed, Packing, PolishFailed, Scene, Settings, relax, step
+from dem.motion.simulation import Simulation
+from dem.protocols.relaxation import STEPS_OF_ITERATION
 from tests.conftest import packing
 
+SETTLING = sys.modules["dem.protocols.settling"]
 EPS = np.finfo(float).eps
 DELTAS = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
 
@@ -174,3 +178,31 @@ def test_bad_settings(arguments, message):
 def test_box_too_narrow_for_its_grains():
     with pytest.raises(ValueError, match=r"aspect = 100\.0: .* take more grains"):
         Scene(3, 1e-2, aspect=100.0)
+
+
+def steps_between_tries(monkeypatch, iterations: int) -> int:
+    """Time steps between a polish that fails after so many iterations, and the next."""
+    made, tries = [0], []
+    advance, polish = Simulation.advance, SETTLING.polish
+
+    def counted(simulation, n):
+        made[0] += n
+        advance(simulation, n)
+
+    def reluctant(state, *more):
+        tries.append(made[0])
+        if len(tries) == 1:
+            raise PolishFailed("not yet", iterations)
+        return polish(state, *more)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Simulation, "advance", counted)
+        patch.setattr(SETTLING, "polish", reluctant)
+        relax(Scene(24, 1e-2), 1, progress=False)
+    return tries[1] - tries[0]
+
+
+def test_the_next_polish_waits_as_long_as_the_failure_cost(monkeypatch):
+    """And no longer than it has to: a failure at once is followed by an early try."""
+    cost = 20 * STEPS_OF_ITERATION
+    assert steps_between_tries(monkeypatch, 0) < cost <= steps_between_tries(monkeypatch, 20)

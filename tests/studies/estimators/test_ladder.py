@@ -20,7 +20,7 @@ from studies.packing_store import net
 from studies.tables import read_table
 from tests.conftest import packing
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SEEDS = (1, 2, 3)
 
 

@@ -477,7 +477,7 @@ def test_keys_outlive_the_format_of_the_file(scene, seed, settings, key):
 
 
 def test_packings_stored_in_an_earlier_format_are_used(tmp_path):
-    old = Path(__file__).resolve().parents[2] / "data" / "packing_format_1.npz"
+    old = Path(__file__).resolve().parents[3] / "data" / "packing_format_1.npz"
     scene, counting = Scene(10, 1e-3), Counting()
     shutil.copy(old, tmp_path / f"{packing_key(scene, 1, SETTINGS)}.npz")
     (found,) = relax_ensemble(
