@@ -15,7 +15,7 @@ from scipy.sparse import csr_array
 
 from packing.arguments.arrays import Floats
 from scaling.algebra.evidence import ACCEPTED, Solved, accepted
-from scaling.algebra.multipliers import SLOWEST, Multipliers
+from scaling.algebra.multipliers import NOWHERE, SLOWEST, Multipliers, Places
 from scaling.algebra.null_space import NullSpace, column_norm
 
 DENSE_UP_TO = 2500
@@ -32,9 +32,9 @@ class ConstrainedLeastSquares:
     A and B should have entries of order 1, and null spaces that meet in 0 only.
     """
 
-    def __init__(self, A: csr_array, B: csr_array, name: str) -> None:
+    def __init__(self, A: csr_array, B: csr_array, name: str, places: Places = NOWHERE) -> None:
         self.A, self.B, self.name = csr_array(A), csr_array(B), name
-        self._multipliers = Multipliers(self.A, self.B, name)
+        self._multipliers = Multipliers(self.A, self.B, name, places)
         self._null_space = NullSpace(self.A, self.B)
 
     def solve(self, a: Floats, b: Floats) -> Floats:

@@ -46,13 +46,17 @@ FALLBACK_UP_TO = 2500
 
 
 class LeastSquares:
-    """min |matrix f - b|, prepared once for any number of right-hand sides."""
+    """min |matrix f - b|, prepared once for any number of right-hand sides.
 
-    def __init__(self, matrix: csr_array, name: str) -> None:
+    `places` (n, 2) of the unknowns, if they have any, make large ones faster:
+    `scaling.algebra.elimination`.
+    """
+
+    def __init__(self, matrix: csr_array, name: str, places: Floats | None = None) -> None:
         self.matrix = matrix
         self.name = name
         self._dense = Dense(matrix)
-        self._factor = SparseFactor(matrix)
+        self._factor = SparseFactor(matrix, places)
         self._iterative = Iterative(matrix, name)
 
     @property

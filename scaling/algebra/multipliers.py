@@ -25,10 +25,10 @@ from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
-from scipy.sparse.linalg import splu
 
 from packing.arguments.arrays import Floats
 from scaling.algebra.conditioning import FACTOR_CONDITION
+from scaling.algebra.elimination import factorised
 from scaling.algebra.evidence import EPS, Solved
 from scaling.algebra.least_squares import LeastSquares
 from scaling.algebra.null_space import RANK_TOLERANCE, column_norm
@@ -57,11 +57,22 @@ class Weighted:
         return max(self.pace, EPS * self.condition)
 
 
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where unknowns (n, 2) and conditions (m, 2) lie, see `scaling.algebra.elimination`."""
+
+    unknowns: Floats | None = None
+    conditions: Floats | None = None
+
+
+NOWHERE = Places()
+
+
 class Multipliers:
     """The iteration for min |A u - a| subject to B u = b."""
 
-    def __init__(self, A: csr_array, B: csr_array, name: str) -> None:
-        self.A, self.B, self.name = A, B, name
+    def __init__(self, A: csr_array, B: csr_array, name: str, places: Places = NOWHERE) -> None:
+        self.A, self.B, self.name, self.places = A, B, name, places
 
     def __getstate__(self) -> dict[str, Any]:
         # SuperLU objects cannot be pickled; a copy factorises anew.
@@ -87,12 +98,7 @@ class Multipliers:
             return Weighted(weight, None, np.inf, 1.0)
         H = csc_array(A.T @ A + weight * (B.T @ B))
         try:
-            factor = splu(
-                H,
-                permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=0.0,
-                options={"SymmetricMode": True},
-            )
+            factor = factorised(H, self.places.unknowns)
         except RuntimeError:  # singular to the last digit
             return Weighted(weight, None, np.inf, 1.0)
         v, growth = np.random.default_rng(0).standard_normal(A.shape[1]), 0.0
@@ -110,7 +116,15 @@ class Multipliers:
         columns (where more conditions than unknowns leave none) those that B does not feel at all.
         """
         felt = np.flatnonzero(self.B.multiply(self.B).sum(axis=0))
-        sides = [LeastSquares(csr_array(m), self.name) for m in (self.B[:, felt], self.B.T)]
+        unknowns, conditions = self.places.unknowns, self.places.conditions
+        sides = [
+            LeastSquares(
+                csr_array(self.B[:, felt]),
+                self.name,
+                None if unknowns is None else unknowns[felt],
+            ),
+            LeastSquares(csr_array(self.B.T), self.name, conditions),
+        ]
         for most in _BLOCKS:
             for side in sides:
                 if side.unknowns > side.matrix.shape[0]:

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from scipy.linalg import svdvals
 from scipy.sparse import csc_array, csr_array, eye_array
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from packing.arguments.arrays import Floats
 from scaling.algebra.conditioning import FACTOR_CONDITION, RANK_TOLERANCE, Extremes
+from scaling.algebra.elimination import Factor, factorised
 from scaling.algebra.evidence import Solved, rounding_error
 
 _SHIFT = 1e-14
@@ -28,34 +29,30 @@ _SMALL = 32
 
 
 class SparseFactor:
-    """The factor of GᵀG + μ, and what inverse iteration with it tells of G = `matrix`."""
+    """The factor of GᵀG + μ, and what inverse iteration with it tells of G = `matrix`.
 
-    def __init__(self, matrix: csr_array) -> None:
-        self.matrix = matrix
+    `places` of the unknowns: see `scaling.algebra.elimination`.
+    """
+
+    def __init__(self, matrix: csr_array, places: Floats | None = None) -> None:
+        self.matrix, self.places = matrix, places
 
     def __getstate__(self) -> dict[str, Any]:
         # SuperLU objects cannot be pickled; a copy factorises anew.
         return {k: v for k, v in self.__dict__.items() if k != "factor"}
 
     @cached_property
-    def factor(self) -> Any:
+    def factor(self) -> Factor:
         """Sparse LU of GᵀG + μ."""
         A = csc_array(self.matrix)
         normal = csc_array(A.T @ A)
         shift = _SHIFT * float(abs(normal).sum(axis=0).max())
-        return splu(
-            csc_array(normal + shift * eye_array(self.matrix.shape[1])),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
+        H = csc_array(normal + shift * eye_array(self.matrix.shape[1]))
+        return factorised(H, self.places)
 
     def inverse(self, b: Floats) -> Floats:
         """(GᵀG + μ)⁻¹ b."""
-        if b.ndim == 1:
-            return self.factor.solve(b)
-        # Column by column: blocks gain little and suffer badly from oversubscribed BLAS threads.
-        return np.column_stack([self.factor.solve(column) for column in b.T])
+        return self.factor.solve(b)
 
     def solved(self, b: Floats, condition: float) -> Solved:
         """f of one right-hand side or many, refined; `condition` is that of G."""

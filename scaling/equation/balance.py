@@ -20,6 +20,7 @@ from packing.arguments.arrays import Floats, Integers
 from packing.arguments.immutable import Immutable, read_only
 from scaling.algebra.least_squares import LeastSquares
 from scaling.geometry.contact_network import ContactNetwork
+from scaling.geometry.places import contact_places
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,12 +33,14 @@ class Balance(Immutable):
     active : (N,) those grains
     contacts : c
     frictional : whether there are tangential forces
+    places : (c, 2) of the contacts, see `scaling.geometry.places`; None without positions
     """
 
     M: csr_array
     active: Integers
     contacts: int
     frictional: bool
+    places: Floats | None = None
 
     def __post_init__(self) -> None:
         read_only((self.M, self.active))
@@ -55,7 +58,8 @@ class Balance(Immutable):
     @cached_property
     def transverse(self) -> LeastSquares:
         """Least squares with the tangential columns of M."""
-        return LeastSquares(self.M_tangential, "equilibrium of the transverse forces")
+        name = "equilibrium of the transverse forces"
+        return LeastSquares(self.M_tangential, name, self.places)
 
     @property
     def labels(self) -> list[tuple[str, int]]:
@@ -113,4 +117,4 @@ def _assemble(network: ContactNetwork, frictional: bool) -> Balance:
         M = hstack([vstack([M, csr_array(shape)]), vstack([*tangential, total])])
     M = csr_array(M)
     M.eliminate_zeros()
-    return Balance(M, active, c, frictional)
+    return Balance(M, active, c, frictional, contact_places(network))

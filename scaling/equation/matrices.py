@@ -89,9 +89,15 @@ class Matrices(Immutable):
         return read_only(csr_array(vstack([self.M, self.closure])))
 
     @cached_property
+    def places(self) -> Floats | None:
+        """(2c, 2) of the unknowns, see `scaling.geometry.places`; None without positions."""
+        at = self.balancing.places
+        return None if at is None else np.tile(at, (self.M.shape[1] // len(at), 1))
+
+    @cached_property
     def system(self) -> LeastSquares:
         """Least squares with G."""
-        return LeastSquares(self.G, "the GPPSZ equation")
+        return LeastSquares(self.G, "the GPPSZ equation", self.places)
 
 
 def matrices(

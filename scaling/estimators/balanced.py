@@ -21,6 +21,7 @@ from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
 from scaling.algebra.evidence import Solved
 from scaling.equation.force_equation import ForceEquation
 from scaling.equation.global_moments import global_moments
+from scaling.equation.places import places_of
 from scaling.estimators.estimator import LinearEstimator
 from scaling.estimators.reconstruction import Reconstruction, reconstruction
 from scaling.estimators.response import Response
@@ -101,6 +102,8 @@ def problem(equation: ForceEquation) -> ConstrainedLeastSquares:
         if moments.shape[1]:
             M = hstack([M, moments])
             closure = hstack([closure, csr_array((closure.shape[0], moments.shape[1]))])
-        made = ConstrainedLeastSquares(closure, M, "loops in least squares, balance exact")
+        places = places_of(equation, [matrices.places], moments.shape[1])
+        name = "loops in least squares, balance exact"
+        made = ConstrainedLeastSquares(closure, M, name, places)
         kept = shared.keep(key, _Kept(moments.data, compliance, made))
     return kept.problem

@@ -30,8 +30,10 @@ from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
 from scaling.algebra.evidence import Solved, accepted
 from scaling.equation.force_equation import ForceEquation, force_equation
 from scaling.equation.global_moments import global_moments
+from scaling.equation.places import places_of
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.noise_model import NoiseModel
+from scaling.noise.source_places import source_places
 
 _MOST_STEPS = 40
 _SMALL = 1e-6
@@ -50,15 +52,18 @@ def geometric_problem(
     matrices, network = equation.matrices, equation.network
     B = equation.stiffened(noise.overlaps(network))
     C = csr_array(matrices.M_normal @ B + noise.balance(network, φ))
-    blocks = [C / noise.unit]
+    blocks, at = [C / noise.unit], [source_places(network, noise)]
     if equation.frictional:
         matrices.transverse.require_full_rank()
         blocks += [-matrices.M_tangential, global_moments(network)]
+        at.append(matrices.balancing.places)
     conditions = hstack(blocks)
     k, rest = noise.count, conditions.shape[1] - noise.count
     weights = hstack([eye_array(k), csr_array((k, rest))])
     name = "optimal estimate from sizes and distances"
-    return ConstrainedLeastSquares(weights, conditions, name), B, C
+    moments = blocks[-1].shape[1] if equation.frictional else 0
+    places = places_of(equation, at, moments)
+    return ConstrainedLeastSquares(weights, conditions, name, places), B, C
 
 
 def size_problem(equation: ForceEquation, noise: NoiseModel) -> ConstrainedLeastSquares:
@@ -76,7 +81,9 @@ def size_problem(equation: ForceEquation, noise: NoiseModel) -> ConstrainedLeast
         ]
     )
     weights = hstack([eye_array(noise.count), csr_array((noise.count, equation.unknowns))])
-    return ConstrainedLeastSquares(weights, conditions, "optimal estimate from sizes")
+    at = [source_places(equation.network, noise), matrices.places]
+    places = places_of(equation, at, 0, rows=matrices.Q.shape[0])
+    return ConstrainedLeastSquares(weights, conditions, "optimal estimate from sizes", places)
 
 
 def optimal_forces(
