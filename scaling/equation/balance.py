@@ -43,7 +43,7 @@ class Balance(Immutable):
     places: Floats | None = None
 
     def __post_init__(self) -> None:
-        read_only((self.M, self.active))
+        read_only((self.M, self.active, self.places))
 
     @cached_property
     def M_normal(self) -> csr_array:
