@@ -9,7 +9,9 @@ import numpy as np
 
 from packing.arguments.arrays import Floats, frozen
 from packing.arguments.immutable import Immutable
+from scaling.algebra.estimate import Estimates
 from scaling.algebra.evidence import Solved
+from scaling.algebra.probes import Probing, probing
 from scaling.equation.force_equation import ForceEquation
 from scaling.estimators.response import Response
 
@@ -100,8 +102,17 @@ class Reconstruction(Immutable):
     def standard_errors(self) -> Floats:
         """(2c,) or (c,) standard deviations κ ξ |E_row| of the forces, of the noise told.
 
-        E is the response at these forces; it is computed when asked for. ValueError: a method
-        that is not told how noisy the data are, or not linear in them.
+        E is the response at these forces; it is computed when asked for. They are the values of
+        `estimated_errors()`, which says whether they are exact. ValueError: a method that is not
+        told how noisy the data are, or not linear in them.
+        """
+        return self.estimated_errors().values
+
+    def estimated_errors(self, probes: int | Probing | None = None) -> Estimates:
+        """`standard_errors` with error bars of their own: exact ones, or from random probes.
+
+        `probes`: see `gain`. Of 128 half of the standard errors are within 0.7 % (`gppsz`) to
+        3.5 % (`optimal`); see `scaling.algebra.probes`.
         """
         if self.response is None:
             raise ValueError(
@@ -110,7 +121,7 @@ class Reconstruction(Immutable):
                 "credible_intervals for those of 'bounded'"
             )
         scale = self.response.equation.stiffness * self.response.noise.xi
-        return scale * np.sqrt(self.response.squares())
+        return self.response.squares(probing(probes)).rows.root().scaled(scale)
 
 
 def reconstruction(

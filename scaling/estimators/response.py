@@ -18,11 +18,15 @@ from scipy.sparse import csr_array
 from packing.arguments.arrays import Floats
 from packing.progress import counted
 from scaling.algebra.evidence import Solved
+from scaling.algebra.probes import Probing, Squares, probed
 from scaling.equation.force_equation import ForceEquation
 from scaling.noise.noise_model import NoiseModel
+from scaling.noise.source_places import source_places
 
 BLOCK = 256
 """Sources of noise per solve: bounds the memory to 2c × 256 numbers."""
+AUTOMATIC = Probing()
+"""Exact for few sources, probes for many."""
 
 
 class Responsive(Protocol):
@@ -90,9 +94,16 @@ class Response:
             η[np.arange(start, stop), np.arange(stop - start)] = 1.0
             yield slice(start, stop), self.solved(η)
 
-    def squares(self) -> Floats:
-        """(2c,) sums of squares over the sources: the variance of every component over (κ ξ)²."""
-        total = np.zeros(self.equation.unknowns)
+    def squares(self, probing: Probing = AUTOMATIC) -> Squares:
+        """(2c,) sums of squares over the sources: the variance of every component over (κ ξ)².
+
+        Exact, or from random probes with error bars, as `probing` says.
+        """
+        k, rows = self.noise.count, self.equation.unknowns
+        if count := probing.count(k):
+            places = source_places(self.equation.network, self.noise)
+            return probed(self, k if places is None else places, rows, count, probing.seed)
+        total = np.zeros(rows)
         for _, some in self.columns():
             total += np.sum(some.values**2, axis=1)
-        return total
+        return Squares.exact(total)

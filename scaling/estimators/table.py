@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
+from types import MappingProxyType
 from typing import Any
 
 from packing.arguments.numbers import choice, shown
@@ -24,6 +25,8 @@ ESTIMATORS: dict[str, type[Estimator]] = {
     "bounded": Bounded,
 }
 
+NO_OPTIONS: Mapping[str, Any] = MappingProxyType({})
+
 
 def estimator(method: str, options: Mapping[str, Any]) -> Estimator:
     """The estimator of this name with these options.
@@ -41,10 +44,19 @@ def linear_estimator(method: str, options: Mapping[str, Any]) -> LinearEstimator
     return made
 
 
-def informed(method: str, known: Mapping[str, Any]) -> Estimator:
-    """The estimator of this name, told as much of what is `known` as it has options for."""
-    options = _options(ESTIMATORS[choice("method", method, ESTIMATORS)])
-    return estimator(method, {name: v for name, v in known.items() if name in options})
+def informed(
+    method: str, known: Mapping[str, Any], options: Mapping[str, Any] = NO_OPTIONS
+) -> Estimator:
+    """The estimator of this name, told as much of what is `known` as it has options for.
+
+    `options` are its own, as for `estimator`, and may not be among what is known.
+    """
+    mine = _options(ESTIMATORS[choice("method", method, ESTIMATORS)])
+    for name in options:
+        if name in known:
+            raise ValueError(f"{name} is known, and no option here")
+    told = {name: v for name, v in known.items() if name in mine}
+    return estimator(method, {**told, **options})
 
 
 def linear_names() -> tuple[str, ...]:

@@ -19,6 +19,8 @@ from packing.arguments.arrays import real_array
 from packing.arguments.numbers import flag, instance, positive_number
 from packing.contact_law import ContactLaw
 from packing.contacts import contact_list
+from scaling.algebra.estimate import Estimate
+from scaling.algebra.probes import Probing
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.conventions import check_noise
 from scaling.uncertainty.gain import gain
@@ -34,9 +36,10 @@ def amplification(
     forces: ArrayLike,
     pressure: float,
     frictional: bool = True,
-    winding: bool = False,
     stiffness: ArrayLike | ContactLaw | None = None,
-) -> float:
+    probes: int | Probing | None = None,
+    **more: Any,
+) -> Estimate:
     """C = K p/⟨|f|⟩, the Comment's prefactor: E_rms = C ξ/Δ.
 
     Parameters
@@ -49,16 +52,20 @@ def amplification(
         The true ones, (2c,) or (c,)
     pressure : float
         p > 0, force per length, that goes with them
-    frictional, winding : bool
-        See `gain`
+    frictional : bool
+        False: c normal forces, no torques
     stiffness : float, array_like or ContactLaw
         For position noise, κ of these forces (default: fitted); (c,) of them, or a law,
         for any noise
+    probes : int or Probing, optional
+        See `gain`: None is exact for up to 2048 sources of noise
+    **more : object
+        winding, and options of the estimator, see `gain`
 
     Returns
     -------
-    float
-        C, a number.
+    Estimate
+        C, a float that knows its `error` and `probes`.
 
     Raises
     ------
@@ -91,14 +98,22 @@ def amplification(
         method,
         noise,
         frictional=frictional,
-        winding=winding,
         forces=f if on_forces else None,
         stiffness=stiffness if on_stiffness else None,
+        probes=probes,
+        **more,
     )
-    return float(K * pressure / mean)
+    return Estimate(K * pressure / mean, K.error * pressure / mean, K.probes)
 
 
-def amplification_of(packing: Any, method: str = "gppsz", noise: str = "diameter") -> float:
+def amplification_of(
+    packing: Any,
+    method: str = "gppsz",
+    noise: str = "diameter",
+    *,
+    probes: int | Probing | None = None,
+    **options: Any,
+) -> Estimate:
     """C of a packing, the Comment's prefactor: E_rms = C ξ/Δ.
 
     Parameters
@@ -108,11 +123,15 @@ def amplification_of(packing: Any, method: str = "gppsz", noise: str = "diameter
         frictionless if it has c forces instead of 2c
     method, noise : str
         See `gain`
+    probes : int or Probing, optional
+        See `gain`: None is exact for up to 2048 sources of noise
+    **options : object
+        winding, and options of the estimator, see `gain`
 
     Returns
     -------
-    float
-        C, a number.
+    Estimate
+        C, a float that knows its `error` and `probes`.
 
     Raises
     ------
@@ -144,6 +163,8 @@ def amplification_of(packing: Any, method: str = "gppsz", noise: str = "diameter
         pressure=packing.pressure,
         frictional=is_frictional(network, packing.forces),
         stiffness=packing.stiffness if moves else getattr(packing, "stiffness", None),
+        probes=probes,
+        **options,
     )
 
 

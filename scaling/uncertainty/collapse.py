@@ -7,7 +7,7 @@ so that all packings fall on one line when ξ is divided by their Δ, and on non
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +20,7 @@ from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import generator, positive_number, real_number, shown, whole_number
 from packing.contacts import contact_list
 from packing.packing_like import fields_of
+from scaling.algebra.probes import Probing
 from scaling.equation.force_equation import force_equation
 from scaling.estimators.table import informed, linear_names
 from scaling.geometry.contact_network import ContactNetwork
@@ -55,6 +56,8 @@ def collapse(
     method: str = "gppsz",
     noise: str = "diameter",
     xi_max: float = 0.05,
+    probes: int | Probing | None = None,
+    **options: Any,
 ) -> NDArray:
     """Reconstruct every packing from noisy data; one row per packing, strength and draw.
 
@@ -75,6 +78,11 @@ def collapse(
     xi_max : float
         Strengths ξ above it are left out, and so are draws that make a radius negative: up to
         ξ = 0.05 and with radii within ±30 % a 7σ event, even for `radius` noise
+    probes : int or Probing, optional
+        Behind C, see `gain`: None is exact for up to 2048 sources of noise, and from 128 probes
+        beyond
+    **options : object
+        Of the estimator, besides what it is told
 
     Returns
     -------
@@ -118,7 +126,7 @@ def collapse(
     )
     rows: list[tuple] = []
     for k, (packing, child) in enumerate(zip(packings, rng.spawn(len(packings)), strict=True)):
-        truth = _Truth.of(packing, method, noise)
+        truth = _Truth.of(packing, method, noise, probes, options)
         of_packing = truth.drawn(ratios, child, draws, xi_max)
         rows += [(k, truth.delta, *row, truth.C) for row in of_packing]
     return np.array(rows, dtype=TABLE)
@@ -135,17 +143,25 @@ class _Truth:
     delta: float
     method: str
     noise: str
+    options: Mapping[str, Any]
     C: float
 
     @classmethod
-    def of(cls, packing: Any, method: str, noise: str) -> _Truth:
-        """The fields of the packing, checked, and its exact prefactor."""
+    def of(
+        cls,
+        packing: Any,
+        method: str,
+        noise: str,
+        probes: int | Probing | None,
+        options: Mapping[str, Any],
+    ) -> _Truth:
+        """The fields of the packing, checked, and its prefactor."""
         network = ContactNetwork.from_packing(packing)
         more = fields_of(packing, ("forces", "stiffness", "pressure", "delta"))
         true, frictional = contact_list.forces(more["forces"], network.contacts)
         delta = positive_number("delta", more["delta"])
-        C = amplification_of(packing, method, noise)
-        return cls(network, true, frictional, more["stiffness"], delta, method, noise, C)
+        C = amplification_of(packing, method, noise, probes=probes, **options)
+        return cls(network, true, frictional, more["stiffness"], delta, method, noise, options, C)
 
     def drawn(
         self, ratios: Floats, rng: np.random.Generator, draws: int, xi_max: float
@@ -165,7 +181,7 @@ class _Truth:
         c = self.network.contacts
         known = {"normal_forces": self.forces[:c], "xi": xi, "noise": self.noise}
         equation = force_equation(noisy, self.frictional).with_law(self.stiffness)
-        found = informed(self.method, known).solve(equation)
+        found = informed(self.method, known, self.options).solve(equation)
         return (
             relative_error(found.forces, self.forces, frictional=self.frictional),
             relative_error(found.normal, self.forces[:c], frictional=False),

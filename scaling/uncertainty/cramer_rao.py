@@ -25,6 +25,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from packing.contact_law import ContactLaw
+from scaling.algebra.probes import Probing
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.uncertainty.error_map import ErrorMap
 from scaling.uncertainty.map_of_method import error_map
@@ -39,6 +40,7 @@ def cramer_rao(
     frictional: bool = True,
     forces: ArrayLike | None = None,
     stiffness: ArrayLike | ContactLaw | None = None,
+    probes: int | Probing | None = None,
 ) -> ErrorMap:
     """The bound at the noise-free `network`, as an error map: `.gain`, `.per_contact` ...
 
@@ -55,6 +57,8 @@ def cramer_rao(
     forces, stiffness : array_like
         The true ones, for noisy positions; left out, the bound is that of
         directions known exactly in M, higher or lower by O(Δ)
+    probes : int or Probing, optional
+        See `gain`: None is exact for up to 2048 sources of noise
 
     Returns
     -------
@@ -88,4 +92,5 @@ def cramer_rao(
         frictional=frictional,
         forces=forces,
         stiffness=stiffness,
+        probes=probes,
     )

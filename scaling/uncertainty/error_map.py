@@ -14,8 +14,8 @@ each written where the estimator is (`LinearEstimator.respond`); of contacts tha
 stiffness B is times κ_e/κ̄, and κ is the mean κ̄. From E follow, for Gaussian noise, exactly: the
 rms gain K = ‖E‖_F/√(2c), the error of every contact (row norms), the pattern of noise that hurts
 most (first right singular vector) and the distribution of the squared error, Σ s² χ²₁ over the
-singular values s. Where E is too large, ‖E‖_F² is the mean of |E z|² over random z, with an error
-bar.
+singular values s. Where E is too large, its row norms and ‖E‖_F are found from random probes, with
+error bars (`scaling.algebra.probes`).
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ from scipy.linalg import eigh
 from packing.arguments.arrays import Floats
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import generator, whole_number
-from scaling.estimators.response import Response
+from scaling.algebra.estimate import Estimate, Estimates
+from scaling.algebra.probes import Probing, Squares
+from scaling.estimators.response import AUTOMATIC, Response
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +42,9 @@ class ErrorMap:
     ----------
     respond : Response
         (k, m) noise η -> (2c, m) errors δf/(κ ξ), lengths; (c, m) if frictionless
+    probing : Probing
+        How many random probes `gain`, `per_component` and `per_contact` are from, if any; the
+        rest needs the whole of E, and takes it
 
     Notes
     -----
@@ -58,6 +63,12 @@ class ErrorMap:
     """
 
     respond: Response
+    probing: Probing = AUTOMATIC
+
+    @property
+    def probes(self) -> int:
+        """Probes behind `gain`, `per_component` and `per_contact`; 0: they are exact."""
+        return self.probing.count(self.sources)
 
     @property
     def sources(self) -> int:
@@ -82,7 +93,9 @@ class ErrorMap:
     @cached_property
     def _computed(self) -> tuple[Floats, float]:
         """E, and the worst error estimate of its columns."""
-        E, worst = np.empty((self.unknowns, self.sources)), 0.0
+        n, k = self.unknowns, self.sources
+        refuse_beyond(f"the map has {n} rows and {k} columns", 8.0 * n * k)
+        E, worst = np.empty((n, k)), 0.0
         for where, some in self.respond.columns():
             E[:, where], worst = some.values, max(worst, some.error)
         return E, worst
@@ -101,10 +114,17 @@ class ErrorMap:
         """
         return self._computed[1]
 
+    @cached_property
+    def _squares(self) -> Squares:
+        """|E_row|²."""
+        if self.probes:
+            return self.respond.squares(self.probing)
+        return Squares.exact(np.sum(self.matrix**2, axis=1))
+
     @property
-    def gain(self) -> float:
+    def gain(self) -> Estimate:
         """K, a length (a number for a covariance): E_rms = K κ ξ/⟨|f|⟩."""
-        return float(np.sqrt(np.sum(self.matrix**2) / self.unknowns))
+        return self._squares.root_mean()
 
     @property
     def covariance(self) -> Floats:
@@ -114,12 +134,26 @@ class ErrorMap:
     @property
     def per_component(self) -> Floats:
         """(2c,) standard deviation of f_n then f_t, over κ ξ."""
-        return np.sqrt(np.sum(self.matrix**2, axis=1))
+        return self.component_errors.values
+
+    @property
+    def component_errors(self) -> Estimates:
+        """`per_component`, with error bars of its own."""
+        return self._squares.rows.root()
 
     @property
     def per_contact(self) -> Floats:
         """(c,) √(δf_n² + δf_t²), over κ ξ."""
-        return np.sqrt(np.sum(self.per_component.reshape(-1, self.contacts) ** 2, axis=0))
+        return self.contact_errors.values
+
+    @property
+    def contact_errors(self) -> Estimates:
+        """`per_contact`, with error bars of its own, as if f_n and f_t were off the same way."""
+        rows = self._squares.rows
+        values, error = (
+            x.reshape(-1, self.contacts).sum(axis=0) for x in (rows.values, rows.error)
+        )
+        return Estimates(values, error, rows.probes).root()
 
     @cached_property
     def _modes(self) -> tuple[Floats, Floats]:

@@ -31,6 +31,8 @@ def asked_for(
     for name in _OF_SOLVING:
         if options.get(name) is not None:
             raise ValueError(f"errors are per noise and in any units: {name} is not used")
+    if options.get("covariance") is not None:
+        raise ValueError("covariance is not used here: error_map and cramer_rao take one")
     made = linear_estimator(method, options)
     made.check_kind(frictional, flag("winding", winding))
     return made

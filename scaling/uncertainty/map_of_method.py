@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import instance
 from packing.contact_law import ContactLaw
+from scaling.algebra.probes import Probing, probing
 from scaling.equation.force_equation import force_equation
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.noise_model import noise_model
@@ -25,6 +26,7 @@ def error_map(
     frictional: bool = True,
     forces: ArrayLike | None = None,
     stiffness: ArrayLike | ContactLaw | None = None,
+    probes: int | Probing | None = None,
     **options: Any,
 ) -> ErrorMap:
     """The error map of `method` at the noise-free `network`.
@@ -47,6 +49,9 @@ def error_map(
     stiffness : float, array_like or ContactLaw
         κ of these forces; by default the slope of f_n against the overlaps. (c,) of them
         where contacts differ (κ in errors is then the mean), or a law
+    probes : int or Probing, optional
+        See `gain`: None is exact for up to 2048 sources of noise. `ErrorMap.matrix`, and what
+        needs it, is always exact
     **options : object
         Of the estimator: solver and tol, or data
 
@@ -80,7 +85,7 @@ def error_map(
         made, force_equation(network, frictional), noise_model(network, noise, covariance),
         kind=kind, forces=forces, stiffness=stiffness,
     )  # fmt: skip
-    return ErrorMap(found)
+    return ErrorMap(found, probing(probes))
 
 
 def worst_pattern(
