@@ -18,6 +18,7 @@ from shutil import which
 from benchmarks import (
     cost_model,
     ensembles,
+    error_theory,
     large_packings,
     numbering,
     polish_cost,
@@ -108,12 +109,18 @@ def _rest(run: Run) -> None:
 
 
 def _large(run: Run) -> None:
-    most, seeds = (1_000_000, 3) if run.full else (3000, 2)
+    most, seeds = (100_000, 3) if run.full else (3000, 2)
     table = large_packings.compute(large_packings.cases(most, seeds))
     run.keep("large_packings", large_packings.text(table))
     run.write("large_packings", table)
     if run.full:
         run.keep("cost_model", cost_model.text(table))
+
+
+def _theory(run: Run) -> None:
+    table = error_theory.compute((1, 3, 10) if run.full else (1, 2))
+    run.keep("error_theory", error_theory.text(table))
+    run.write("error_theory", table)
 
 
 #: Timings against others first, while no other process of ours runs.
@@ -122,6 +129,7 @@ PARTS: dict[str, Callable[[Run], None]] = {
     "ensembles": _cores, "numbering": _numbering, "precision": _single, "polish_cost": _newton,
     "lammps_packing": _finished, "solvers": _equation, "solve_times": _estimators,
     "relaxation": _rest, "large_packings": _large,
+    "error_theory": _theory,
 }  # fmt: skip
 
 

@@ -38,6 +38,6 @@ def plot(table: np.ndarray) -> Figure:
             axes.plot(beyond, middle, color=f"C{k}", linestyle=":")
             axes.fill_between(beyond, low, high, color=f"C{k}", alpha=0.2, linewidth=0)
     a.set(xscale="log", yscale="log", ylabel="hours of one core to rest")
-    b.set(xscale="log", yscale="log", ylabel="memory (GB)", xlabel="grains $N$")
+    b.set(xscale="log", yscale="log", ylabel="memory of the packing (GB)", xlabel="grains $N$")
     a.legend()
     return figure
