@@ -15,13 +15,13 @@ tr A².
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from scipy.sparse import block_array, csc_array, csr_array, diags_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
-from packing.arguments.arrays import Floats
+from packing.arguments.arrays import Floats, Integers
+from scaling.algebra.elimination import Factor
+from scaling.estimators.bounded.order import elimination_order
 from scaling.estimators.bounded.program import Program
 from scaling.estimators.misfit import Misfit
 
@@ -31,21 +31,24 @@ _PROBES = 64
 _ACTIVE = 1e-6
 """Distance from a bound, in f̄, below which it counts as met with equality."""
 _SHIFT = 1e-12
+_ACCURATE = 1e-8
+"""What a solve without pivoting may leave of the right-hand side: far less than probes scatter."""
 
 
 def misfit_of_bounded(task: Program, z: Floats) -> Misfit:
     """Of `scaling.estimators.bounded.bounded`: at the solution z of its program."""
     η = task.noise(z)
     met = np.flatnonzero(task.cone @ z > -_ACTIVE)
-    free = _traces(task, task.cone[:0])
-    most = _traces(task, task.cone[met])[0] if len(met) else free[0]
+    free = _traces(task, met[:0])
+    most = _traces(task, met)[0] if len(met) else free[0]
     return Misfit(float(η @ η), most, free[1])
 
 
-def _traces(task: Program, met: Any) -> tuple[float, float]:
-    """tr P and tr P² of the block of η, P the projection on all conditions, `met` among them."""
+def _traces(task: Program, met: Integers) -> tuple[float, float]:
+    """tr P and tr P² of the block of η, P the projection on all conditions, the bounds `met`
+    among them."""
     n, k = task.unknowns, task.sources
-    E, P = csr_array(vstack([task.equal, met])), task.P.copy()
+    E, P = csr_array(vstack([task.equal, task.cone[met]])), task.P.copy()
     # Weak noise: forces in units of their own scatter, so that noise and forces weigh alike.
     effect = E[:, n : n + k]
     strength = min(1.0, float(np.sqrt(effect.multiply(effect).sum() / max(k, 1))) or 1.0)
@@ -57,7 +60,7 @@ def _traces(task: Program, met: Any) -> tuple[float, float]:
     E = csr_array(diags_array(1 / np.where(length > 0, length, 1.0)) @ E)
     lower = -_SHIFT * eye_array(E.shape[0])
     P = np.where(P == 0, _SHIFT, P)
-    factor = splu(csc_array(block_array([[diags_array(P), E.T], [E, lower]])))
+    K = csc_array(block_array([[diags_array(P), E.T], [E, lower]]))
     root = np.sqrt(P[n : n + k])[:, None]
     probes: Floats
     if k > EXACT_UP_TO:
@@ -65,7 +68,25 @@ def _traces(task: Program, met: Any) -> tuple[float, float]:
         probes, weight = np.where(signs, 1.0, -1.0), 1 / _PROBES
     else:
         probes, weight = np.eye(k), 1.0
-    right = np.zeros((factor.shape[0], probes.shape[1]))
+    right = np.zeros((K.shape[0], probes.shape[1]))
     right[n : n + k] = root * probes
-    kept = probes - root * factor.solve(right)[n : n + k]
+    kept = probes - root * _solved(K, right, _order(task, met))[n : n + k]
     return weight * float(np.sum(probes * kept)), weight * float(np.sum(kept**2))
+
+
+def _order(task: Program, met: Integers) -> Integers | None:
+    contacts = task.posterior.equation.network.contacts
+    return elimination_order(task.posterior, len(task.P), len(task.b), met % contacts)
+
+
+def _solved(K: csc_array, right: Floats, order: Integers | None) -> Floats:
+    """K⁻¹ of the columns of `right`: pivoted where no order is known, or the order is not good."""
+    if order is not None:
+        lu = splu(
+            csc_array(K[order][:, order]), permc_spec="NATURAL", diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )  # fmt: skip
+        found = Factor(lu, order).solve(right)
+        if np.abs(K @ found - right).max(initial=0.0) <= _ACCURATE * np.abs(right).max():
+            return found
+    return splu(K).solve(right)

@@ -44,6 +44,7 @@ class Program:
     sources: int
     explicit: slice
     """The rows that give f_n/f̄ in terms of the rest, for data="all"; none else."""
+    posterior: Posterior
 
     def forces(self, z: Floats) -> Floats:
         """f of z (n,), or of (n, draws)."""
@@ -111,7 +112,8 @@ def program_of(
     first = equation.M.shape[0]
     explicit = slice(first, first + (c if p.noise is not None and p.data == "all" else 0))
     return Program(
-        P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit
+        P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit,
+        p,
     )  # fmt: skip
 
 
