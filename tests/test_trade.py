@@ -14,9 +14,10 @@ from studies.packings import continuation, ramps
 from tests.conftest import packing
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = [ROOT / "docs" / name for name in ("trade.md", "ramps.md", "speed.md")]
+PAGES = [ROOT / "docs" / name for name in ("trade.md", "ramps.md", "speed.md", "limits.md")]
 SHOWN = (
     "step_cost", "size", "numbering", "precision", "polish_cost", "ramp_rates", "continuation",
+    "large_packings", "cost_model",
 )  # fmt: skip
 
 
