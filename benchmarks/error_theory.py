@@ -85,12 +85,12 @@ def _optimal(t: Tiled) -> Estimate:
 
 
 PARTS: dict[str, Callable[[Tiled], Estimate]] = {
-    "C, gppsz": _prefactor,
-    "error bars, gppsz": _error_bars,
-    "error bars, optimal": _error_bars_of_optimal,
-    "bound, positions": _bound,
-    "collapse, one ξ": _collapse,
-    "optimal, positions": _optimal,
+    "C of gppsz": _prefactor,
+    "error bars of gppsz": _error_bars,
+    "error bars of optimal": _error_bars_of_optimal,
+    "bound (positions)": _bound,
+    "collapse of one ξ": _collapse,
+    "optimal (positions)": _optimal,
 }
 
 #: Of which the table says whether they are exact.
