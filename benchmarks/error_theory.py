@@ -31,7 +31,7 @@ from studies.error_bars import exponent, spread
 
 DELTA, BASE, REPEATS = 1e-4, 1000, 3
 TABLE = np.dtype([
-    ("what", "U20"), ("grains", int), ("seconds", float), ("MB", float), ("value", float),
+    ("kind", "U20"), ("grains", int), ("seconds", float), ("MB", float), ("value", float),
     ("error", float), ("probes", int),
 ])  # fmt: skip
 
@@ -124,7 +124,7 @@ def text(table: np.ndarray) -> str:
     lines = ["| what | N | s | MB | probes | error bar |", "|---|---|---|---|---|---|"]
     for what in PARTS:
         for grains in np.unique(table["grains"]):
-            r = table[(table["what"] == what) & (table["grains"] == grains)]
+            r = table[(table["kind"] == what) & (table["grains"] == grains)]
             bar = r["error"][0] / r["value"][0]
             shown = f"{bar:.1%}" if bar >= 0.01 else f"{bar:.1g}"
             how = r["probes"][0] or ("exact" if what in PROBED else "")
@@ -135,7 +135,7 @@ def text(table: np.ndarray) -> str:
     lines += ["", "| what, the two largest N | time ~ N^ | memory ~ N^ |", "|---|---|---|"]
     sizes = np.unique(table["grains"])[-2:]
     for what in PARTS:
-        some = [table[(table["what"] == what) & (table["grains"] == n)] for n in sizes]
+        some = [table[(table["kind"] == what) & (table["grains"] == n)] for n in sizes]
         powers = [exponent(sizes, [r[k] for r in some]) for k in ("seconds", "MB")]
         lines.append("| " + " | ".join([what, *(f"{a:.2f} ± {e:.2f}" for a, e in powers)]) + " |")
     return "\n".join(lines)
