@@ -23,6 +23,7 @@ from benchmarks import (
     numbering,
     polish_cost,
     precision,
+    quadratic_programs,
     relaxation,
     size,
     solve_times,
@@ -101,6 +102,14 @@ def _estimators(run: Run) -> None:
     run.keep("solve_times", solve_times.lines())
 
 
+def _programs(run: Run) -> None:
+    if find_spec("clarabel") is None:
+        print("clarabel is not installed (extra 'convex'): no comparison of convex solvers")
+        return
+    sizes = (1, 2, 3, 6) if run.full else (1, 2)
+    run.keep("quadratic_programs", "\n".join(quadratic_programs.lines(sizes)))
+
+
 def _rest(run: Run) -> None:
     with run.pool() as pool:
         table = relaxation.compute(pool, *((1000, 16, 6) if run.full else (300, 32, 5)))
@@ -128,6 +137,7 @@ PARTS: dict[str, Callable[[Run], None]] = {
     "lammps_step": _steps, "c_step": _compiled, "step_cost": _physics, "size": _sizes,
     "ensembles": _cores, "numbering": _numbering, "precision": _single, "polish_cost": _newton,
     "lammps_packing": _finished, "solvers": _equation, "solve_times": _estimators,
+    "quadratic_programs": _programs,
     "relaxation": _rest, "large_packings": _large,
     "error_theory": _theory,
 }  # fmt: skip

@@ -42,8 +42,8 @@ def relax_ensemble(
     seeds : iterable of int
         As many; one of the two may be endless.
     executor : concurrent.futures.Executor, optional
-        Processes, MPI, ``dask.distributed.Client.get_executor()``; workers that were started by
-        this process end when it is killed.  None: in this process.
+        Processes, ``mpi4py.futures.MPIPoolExecutor``, ``dask.distributed.Client.get_executor()``;
+        workers that were started by this process end when it is killed.  None: in this process.
     store : path, optional
         A folder of npz files, each under its ``packing_key``: what is there is loaded, the rest
         saved as it is finished, so that an interrupted run loses only what was in flight.  A

@@ -35,8 +35,12 @@ def test_the_order_changes_no_number(monkeypatch, noise, friction):
     )
 
 
-def test_a_bad_order_is_noticed(monkeypatch):
-    """Negative control: multipliers first divides by the shift; pivoting then takes over."""
+@pytest.mark.parametrize("refinements", [0, conditions.REFINEMENTS])
+def test_a_bad_order_is_noticed(monkeypatch, refinements):
+    """Multipliers first divides by the shift: refined, or else pivoted, it is right.
+
+    Negative control: taken as it comes, without refinement and without a check, it is wrong.
+    """
     good, pivoted = found("position", 0.3), []
 
     def backwards(*args):
@@ -50,8 +54,12 @@ def test_a_bad_order_is_noticed(monkeypatch):
 
     monkeypatch.setattr(conditions, "elimination_order", backwards)
     monkeypatch.setattr(conditions, "splu", counted)
+    monkeypatch.setattr(conditions, "REFINEMENTS", refinements)
     assert found("position", 0.3).misfit == pytest.approx(good.misfit, rel=1e-9)
-    assert any(pivoted)
+    assert any(pivoted) == (refinements == 0)
+    monkeypatch.setattr(conditions, "REFINEMENTS", 0)
+    monkeypatch.setattr(conditions, "ACCURATE", np.inf)
+    assert abs(found("position", 0.3).misfit / good.misfit - 1) > 1e-9
 
 
 def test_where_no_order_is_known():
