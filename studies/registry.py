@@ -12,13 +12,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from types import ModuleType
 
+import numpy as np
+
 from dem import Packing, Scene
 from studies import million_grains, of_figures
 from studies.estimators import bound, coverage, ladder, prior, ridge, sensitivity, stress
 from studies.experiment import floor, rounding, stiffness
 from studies.of_figures import Study
 from studies.packing_store import DELTAS, SEED, make
-from studies.packings import anisotropy, continuation, dem_trade, ramps, same_packing
+from studies.packings import (
+    anisotropy,
+    continuation,
+    dem_trade,
+    ramps,
+    same_packing,
+    same_statistics,
+)
 from studies.prefactors import finite_size, laws, measures, prefactor
 from studies.run import Run
 
@@ -59,6 +68,17 @@ def _resting(run: Run) -> None:
     with run.pool() as pool:
         table = same_packing.compute(pool, 300, deltas, range(1, 17 if run.full else 5))
     run.keep("same_packing", same_packing.text(table))
+
+
+def _ensembles(run: Run) -> None:
+    with run.pool() as pool:
+        tables = [
+            same_statistics.compute(pool, (grains,), (1e-2, 1e-4), range(1, 1 + seeds))
+            for grains, seeds in (((1000, 16), (10_000, 4)) if run.full else ((300, 4),))
+        ]
+    table = np.concatenate(tables)
+    run.keep("same_statistics", same_statistics.text(table))
+    run.write("same_statistics", table)
 
 
 def _pressures(run: Run) -> None:
@@ -110,6 +130,7 @@ STUDIES: dict[str, Study] = {
     "coverage": _lines("coverage", coverage.lines),
     "stiffness": _lines("stiffness", stiffness.lines),
     "million_grains": _million,
-    "dem_trade": _settings, "same_packing": _resting, "ramps": _pressures, "ramp_rates": _paces,
+    "dem_trade": _settings, "same_packing": _resting, "same_statistics": _ensembles,
+    "ramps": _pressures, "ramp_rates": _paces,
     "continuation": _continued, "rounding": _rounded, "floor": _no_noise,
 }  # fmt: skip

@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "docs" / name for name in ("trade.md", "ramps.md", "speed.md", "limits.md")]
 SHOWN = (
     "step_cost", "size", "numbering", "precision", "polish_cost", "ramp_rates", "continuation",
-    "large_packings", "cost_model", "error_theory",
+    "large_packings", "cost_model", "error_theory", "same_statistics",
 )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from paper_figs.pages import rounding as drawn_rounding
 from scaling import amplification_of
 from studies.estimators import coverage, stress
 from studies.experiment import floor, rounding
-from studies.packings import dem_trade, ramps, same_packing
+from studies.packings import dem_trade, ramps, same_packing, same_statistics
 from studies.prefactors import finite_size, measures
 from tests.conftest import packing
 
@@ -129,3 +130,29 @@ def test_a_packing_stopped_earlier_is_compared_with_the_last():
     assert rows["tolerance"][0] == same_packing.TOLERANCES[0]
     assert rows["residual"].max() <= 1e-9
     assert same_packing.text(rows).count("\n| 0.01 |") == len(rows)
+
+
+def test_time_steps_alone_end_in_the_same_statistics():
+    rows = np.array(
+        [row for seed in (1, 2, 3) for row in same_statistics.measure((100, 1e-2, seed))],
+        same_statistics.TABLE,
+    )
+    one, other = (rows[rows["how"] == how] for how in ("polished", "time steps alone"))
+    for name in ("Z", "area_fraction", "spread"):
+        assert one[name] == pytest.approx(other[name], abs=1e-5)
+    assert same_statistics.text(rows).count("\n| 100 |") == len(same_statistics.MEASURES)
+
+
+def test_rattlers_in_touch_are_no_contacts(monkeypatch):
+    """A contact of next to no force changes no statistics; counted (the control) it does."""
+    p = packing(grains=48, delta=1e-3)
+    touching = SimpleNamespace(
+        normal_forces=np.append(p.normal_forces, 1e-9 * p.normal_forces.mean()),
+        pairs=np.append(p.pairs, [[0, 1]], axis=0),
+        solid_fraction=p.solid_fraction,
+    )
+    assert same_statistics.statistics(touching) == same_statistics.statistics(p)
+    monkeypatch.setattr(same_statistics, "BEARING", 0.0)
+    counted, borne = same_statistics.statistics(touching), same_statistics.statistics(p)
+    assert counted[0] > borne[0]
+    assert counted[2] > borne[2]
