@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike
 from packing.arguments.numbers import choice, real_number
 from scaling.noise.conventions import NOISE
 
+UNKNOWN = "unknown"
+"""Said of a number that is to be found from the data."""
+
 
 class ToldNoise(Protocol):
     """An estimator with these options."""
@@ -18,8 +21,8 @@ class ToldNoise(Protocol):
         """As in the table of estimators."""
 
     @property
-    def xi(self) -> float | None:
-        """Strength of the noise."""
+    def xi(self) -> float | str | None:
+        """Strength of the noise, or "unknown"."""
 
     @property
     def noise(self) -> str:
@@ -38,7 +41,11 @@ def check_told_noise(asked: ToldNoise) -> None:
     """ValueError for an unknown convention or kind of data, or a strength that is no number."""
     choice("noise", asked.noise, NOISE)
     choice("data", asked.data, ("all", "sizes"))
-    if asked.xi is not None:
+    if isinstance(asked.xi, str):
+        choice("xi", asked.xi, (UNKNOWN,))
+        if asked.covariance is not None:
+            raise ValueError("covariance says all about the noise: xi is not used with it")
+    elif asked.xi is not None:
         real_number("xi", asked.xi)
 
 
@@ -54,4 +61,5 @@ def told(asked: ToldNoise) -> str:
     """What was told, in a few words."""
     if asked.covariance is not None or asked.xi is None:
         return "covariance"
-    return f"xi = {asked.xi:g}, {asked.noise}"
+    strength = asked.xi if isinstance(asked.xi, str) else f"{asked.xi:g}"
+    return f"xi = {strength}, {asked.noise}"

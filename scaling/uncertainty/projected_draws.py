@@ -36,12 +36,13 @@ def posterior_draws(
     if posterior.gaps:
         raise ValueError("projected draws are for a Gaussian prior: gaps=True has another")
     k = 0 if posterior.noise is None else posterior.noise.count
-    sizes = k, posterior.equation.unknowns, posterior.equation.network.contacts
+    contacts, told = posterior.equation.network.contacts, posterior.stress.noisy
+    sizes = k, posterior.equation.unknowns, contacts, told
     refuse_beyond(f"draws = {draws}", 8.0 * draws * (sum(sizes) + sizes[1]))
     shifts = []
     for child in rng.spawn(draws):
-        data, prior, second = map(child.standard_normal, sizes)
-        shifts.append((data, prior, second))
+        data, prior, second, stress = map(child.standard_normal, sizes)
+        shifts.append((data, prior, second, stress))
     curved = bounded_forces(posterior, progress)[2].curved
 
     def drawn(curved: bool) -> Floats:

@@ -6,8 +6,9 @@ that enclose the forces: `scaling.credible_intervals`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +18,7 @@ from packing.arguments.numbers import (
     flag,
     instance,
     number_from_zero,
-    positive_number,
+    real_number,
 )
 from scaling.algebra.evidence import Solved
 from scaling.equation.force_equation import ForceEquation
@@ -25,6 +26,7 @@ from scaling.estimators.bounded.conditions import misfit_of_bounded
 from scaling.estimators.bounded.maximum import Maximum, bounded_maximum
 from scaling.estimators.bounded.posterior import Posterior, posterior_of
 from scaling.estimators.bounded.prior import Prior
+from scaling.estimators.bounded.settling import Settled, settled
 from scaling.estimators.estimator import Estimator
 from scaling.estimators.misfit import Misfit, warn_if_implausible
 from scaling.estimators.reconstruction import (
@@ -33,6 +35,9 @@ from scaling.estimators.reconstruction import (
     reconstruction,
     unbalanced,
 )
+from scaling.estimators.told.datum import Told, datum, is_unknown
+from scaling.estimators.told.mean_stress import mean_stress
+from scaling.estimators.told.strength import likely_strength
 from scaling.estimators.transverse import refuse_unused_friction
 from scaling.noise.noise_model import noise_model
 from scaling.noise.told_noise import check_told_noise, refuse_no_noise, told
@@ -52,6 +57,9 @@ class BoundedDiagnostics(Diagnostics):
         Whether the second order of distances had to be let in
     freedom : float
         The degrees of freedom of `misfit`; None for ξ = ∞
+    settled : Settled
+        What was found of ξ and μ where they were not told exactly, with error bars and the
+        profile over μ
     """
 
     noise: Floats
@@ -60,6 +68,7 @@ class BoundedDiagnostics(Diagnostics):
     tolerance: float
     curved: bool
     freedom: float | None
+    settled: Settled
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +77,20 @@ class Bounded(Estimator):
 
     Parameters
     ----------
-    friction : float
-        μ >= 0; not needed, and 0, where there are no tangential forces
-    pressure : float
-        p > 0, force per length, of a periodic cell; not used if open
+    friction : float, (float, float) or str
+        μ >= 0, the limit that no |f_t|/f_n exceeds; a value with its standard deviation, or
+        "unknown", which find the limit from contacts that slide (ten solves). Not needed, and 0,
+        where there are no tangential forces
+    pressure : float, (float, float) or str
+        p > 0, force per length, of a periodic cell; not used if open. Exact, with its standard
+        deviation, or "unknown"
+    stress : mapping, optional
+        Components "xx", "xy", "yx", "yy" of the mean stress of a cell, compression positive, each
+        exact or with its standard deviation
     xi, noise, covariance : float, str and array_like
         The noise of the data, see `scaling.noise.noise_model`; one of xi and
-        covariance is needed. xi = inf: sizes and distances are not known at all
+        covariance is needed. xi = inf: sizes and distances are not known at all; xi =
+        "unknown": of this kind, and of the strength that makes the misfit 1 (four solves)
     data : str
         "all", or "sizes" (no distances, directions exact)
     prior : Prior
@@ -101,9 +117,10 @@ class Bounded(Estimator):
     Prior(mean=1.0, normal=1.0, tangential=0.5)
     """
 
-    friction: float | None = None
-    pressure: float | None = None
-    xi: float | None = None
+    friction: Told | None = None
+    pressure: Told | None = None
+    stress: Mapping[str, Told] | None = None
+    xi: float | str | None = None
     noise: str = "diameter"
     covariance: ArrayLike | None = None
     data: str = "all"
@@ -116,9 +133,8 @@ class Bounded(Estimator):
     def __post_init__(self) -> None:
         check_told_noise(self)
         if self.friction is not None:
-            number_from_zero("friction", self.friction)
-        if self.pressure is not None:
-            positive_number("pressure", self.pressure)
+            datum("friction", self.friction, number_from_zero)
+        mean_stress(self.pressure, self.stress)
         instance("prior", self.prior, Prior)
         flag("gaps", self.gaps)
         if self.progress is not None:
@@ -127,7 +143,39 @@ class Bounded(Estimator):
     @property
     def blind(self) -> bool:
         """Whether neither sizes nor distances are known, ξ = ∞."""
-        return self.xi is not None and self.xi == np.inf and self.covariance is None
+        return self.xi == np.inf and self.covariance is None
+
+    @property
+    def decided(self) -> bool:
+        """Whether ξ and μ are known exactly."""
+        return not is_unknown(self.xi) and self._friction_exact
+
+    @property
+    def _friction_exact(self) -> bool:
+        told = 0.0 if self.friction is None else self.friction
+        found = datum("friction", told)
+        return found is not None and found.exact
+
+    def settle(self, equation: ForceEquation) -> tuple[Bounded, Settled]:
+        """The same with what it does not know found, and what was found."""
+        if self.decided:
+            return self, Settled()
+
+        def solve(xi: float | None, friction: float | None) -> Maximum:
+            return bounded_maximum(self._at(xi, friction).posterior(equation), False)
+
+        start = likely_strength(equation, self.noise) if is_unknown(self.xi) else None
+        told = None if self.friction is None else datum("friction", self.friction)
+        found = settled(solve, start, told, self._friction_exact)
+        ξ = None if found.strength is None else found.strength.xi
+        return self._at(ξ, None if found.friction is None else found.friction.value), found
+
+    def _at(self, xi: float | None, friction: float | None) -> Bounded:
+        """The same told these, where they are not None."""
+        exact: dict[str, Any] = {"xi": xi, "friction": friction}
+        if friction is None and isinstance(self.friction, tuple | list):
+            exact["friction"] = self.friction[0]
+        return replace(self, **{k: v for k, v in exact.items() if v is not None})
 
     def uses_overlaps(self, equation: ForceEquation) -> bool:
         """Nowhere for ξ = ∞."""
@@ -135,33 +183,44 @@ class Bounded(Estimator):
 
     def posterior(self, equation: ForceEquation) -> Posterior:
         """What is known of the forces of `equation`, before any solver is asked."""
-        refuse_unused_friction(equation, self.friction)
+        if not self.decided:
+            return self.settle(equation)[0].posterior(equation)
+        μ = None if self.friction is None else self._at(None, None).friction
+        assert μ is None or isinstance(μ, float | int)
+        refuse_unused_friction(equation, μ)
         refuse_no_noise(self)
         self.stiffness(equation)
         if self.friction is None and equation.frictional:
             raise ValueError("method 'bounded' needs the friction coefficient")
-        # Checked as for any ξ, though with ξ = ∞ nothing is left of the kind of noise.
-        xi = None if self.blind else self.xi
-        model = noise_model(equation.network, self.noise, self.covariance, xi)
+        model = noise_model(equation.network, self.noise, self.covariance, self._finite_xi)
         if self.data == "sizes" and model.moves:
             raise ValueError(
                 "data='sizes' takes directions as exact: position noise needs data='all'"
             )
         return posterior_of(
-            equation, self.friction, None if self.blind else model,
-            pressure=self.pressure, data=self.data, prior=self.prior, gaps=self.gaps,
+            equation, μ, None if self.blind else model,
+            pressure=self.pressure, stress=self.stress, data=self.data, prior=self.prior,
+            gaps=self.gaps,
         )  # fmt: skip
+
+    @property
+    def _finite_xi(self) -> float | None:
+        """ξ; checked as for any other, though with ξ = ∞ nothing is left of the kind of noise."""
+        if self.blind or self.xi is None:
+            return None
+        return real_number("xi", self.xi)
 
     def find(self, equation: ForceEquation) -> Reconstruction:
         """The maximum of the posterior, and whether its noise is plausible."""
-        found = bounded_maximum(self.posterior(equation), self.progress)
+        made, unknowns = self.settle(equation)
+        found = bounded_maximum(made.posterior(equation), self.progress)
         misfit = None if self.blind else misfit_of_bounded(found.task, found.z)
         if misfit is not None:
-            warn_if_implausible(misfit, told(self))
-        return self._recorded(equation, found, misfit)
+            warn_if_implausible(misfit, told(made))
+        return self._recorded(equation, found, misfit, unknowns)
 
     def _recorded(
-        self, equation: ForceEquation, found: Maximum, misfit: Misfit | None
+        self, equation: ForceEquation, found: Maximum, misfit: Misfit | None, unknowns: Settled
     ) -> Reconstruction:
         report = found.report
         return reconstruction(
@@ -178,4 +237,5 @@ class Bounded(Estimator):
             tolerance=report.tolerance,
             curved=report.curved,
             freedom=None if misfit is None else misfit.most,
+            settled=unknowns,
         )

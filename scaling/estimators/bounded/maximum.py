@@ -29,7 +29,7 @@ Open networks need no p: since the loads are balanced, Σ f_n r = -Σ x·F holds
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +40,9 @@ from packing.progress import running
 from scaling.algebra.quadratic_program import minimise
 from scaling.estimators.bounded.posterior import Posterior
 from scaling.estimators.bounded.program import Program, Shift, program_of
+
+PASSES, GROWN = 20, 1e-7
+"""The most passes, and the change of the mean force that the last of them may ask for."""
 
 
 @dataclass(frozen=True)
@@ -96,10 +99,16 @@ def passes(posterior: Posterior, curved: bool, shift: Shift | None = None) -> Ma
     """
     f, noise = np.zeros(posterior.equation.unknowns), posterior.noise
     f[: posterior.equation.network.contacts] = posterior.mean_force
-    task = program_of(posterior, f, shift, curved)
-    z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
-    if noise is not None and noise.moves:
-        # The turning of directions is linear at the forces of the last pass.
-        task = program_of(posterior, task.forces(z), shift, curved)
+    # Directions turn, and forces grow, linearly at the forces of the last pass.
+    least = 2 if (noise is not None and noise.moves) or (posterior.floats and shift) else 1
+    for done in range(1, 1 + PASSES):
+        task = program_of(posterior, f, shift, curved)
         z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
-    return Maximum(task.forces(z), task.noise(z), Report(**report, curved=curved), task, z)
+        f, growth = task.forces(z), float(task.growth(z))
+        if done >= least and (shift is not None or abs(growth) <= GROWN):
+            return Maximum(f, task.noise(z), Report(**report, curved=curved), task, z)
+        if shift is None and growth:
+            posterior = replace(posterior, virial=posterior.virial * (1 + growth))
+    raise RuntimeError(
+        f"bounded: after {PASSES} passes the mean force still grows by {growth:.1e} of itself"
+    )

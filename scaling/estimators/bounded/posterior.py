@@ -3,11 +3,14 @@
     f̄ = Σ f_n r/Σ r ,    Σ f_n r = 2 p A in a periodic cell,  -Σ x·F if open
 
 f̄ is the mean normal force, weighed with the distances r of the centres; p is the pressure, A
-the area of the cell, and F the load on the grain at x.
+the area of the cell, and F the load on the grain at x. Of a cell whose pressure nobody knows
+Σ f_n r is first taken from the overlaps; f̄ is then no more than a unit, and the mean of the prior
+is found with the forces.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,8 +26,13 @@ from scaling.equation.mechanisms import refuse_mechanisms
 from scaling.equation.virial import virial_of
 from scaling.estimators.bounded.prior import Prior
 from scaling.estimators.plausibility import refuse_deep_overlaps
+from scaling.estimators.told.datum import Told, is_unknown
+from scaling.estimators.told.mean_stress import NOTHING, MeanStress, mean_stress
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.noise_model import NoiseModel
+
+SEEN = 3.0
+"""Standard errors by which the overlaps have to press, for the scale of forces to be theirs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +46,13 @@ class Posterior:
     data: str
     prior: Prior
     gaps: bool = False
+    stress: MeanStress = NOTHING
+
+    @property
+    def floats(self) -> bool:
+        """Whether the mean force is not known exactly, and found with the forces."""
+        cell = self.equation.network.cell
+        return cell is not None and self.prior.mean != 0 and not self.stress.fixes_trace
 
     @property
     def stiffness(self) -> float:
@@ -86,17 +101,19 @@ def posterior_of(
     friction: float | None,
     noise: NoiseModel | None,
     *,
-    pressure: float | None = None,
+    pressure: Told | None = None,
     data: str = "all",
     prior: Prior | None = None,
     gaps: bool = False,
+    stress: Mapping[str, Told] | None = None,
 ) -> Posterior:
     """Collect a posterior; `noise` None means that neither sizes nor distances are known (ξ = ∞).
 
     `friction` is not used, and may be None, without tangential forces. With `gaps` (for
     data="all") a contact of the list may be open, f_n = κ (σ - r + gap) with gap >= 0 of
     exponential prior, its mean the standard deviation of σ̃ - r̃: for lists inferred from the
-    geometry, where some are false. ValueError: bad input, or gaps where a contact is known without
+    geometry, where some are false. `pressure` and components of the mean `stress` as in
+    `scaling.estimators.told`. ValueError: bad input, or gaps where a contact is known without
     noise.
     """
     network = equation.network
@@ -119,9 +136,35 @@ def posterior_of(
     refuse_unbalanced(equation)
     refuse_mechanisms(equation)
     prior = Prior() if prior is None else prior
-    virial = virial_of(network, pressure)
-    collected = Posterior(equation, noise, friction, virial, data, prior, gaps)
+    told = mean_stress(pressure, stress)
+    unsure = noise if data == "all" and is_unknown(pressure) else None
+    virial = _likely_virial(equation, told, unsure)
+    collected = Posterior(equation, noise, friction, virial, data, prior, gaps, told)
     if gaps and not collected.scatter.all():
         e = int(np.argmin(collected.scatter))
         raise ValueError(f"gaps: the overlap of contact {e} is known without noise")
     return collected
+
+
+def _likely_virial(equation: ForceEquation, told: MeanStress, noise: NoiseModel | None) -> float:
+    """Σ f_n r that the loads or the stress told say; else, of a cell, what the overlaps say.
+
+    `noise`: that of the overlaps, if they may be asked. ValueError: nothing says it, or overlaps
+    that scatter about 0.
+    """
+    network, likely = equation.network, told.likely_pressure
+    if network.cell is None and told.components:
+        raise ValueError("the mean stress of an open network follows from its loads: tell none")
+    if network.cell is None or likely is not None or noise is None:
+        return virial_of(network, likely)
+    if not network.forest.winding_rank.any():
+        return virial_of(network, 1.0)  # refused: nothing carries a pressure
+    weighed = equation.stiffened(network.distances * equation.stiffness)
+    virial = float(weighed @ network.overlaps)
+    error = noise.xi * float(np.linalg.norm(noise.overlaps(network).T @ weighed))
+    if not virial > SEEN * error:
+        raise ValueError(
+            f"pressure unknown: overlaps give Σ f_n r = {virial:.3g} ± {error:.3g}, which tells "
+            "no scale of the forces: a pressure with its error bar is needed"
+        )
+    return virial

@@ -1,11 +1,14 @@
 """The quadratic program of `bounded`, in units of f̄ and scaled for the solver.
 
-Where distances are no data, in data="sizes" and for ξ = ∞, the pressure needs none: directions
-are exact then, and the sum over branches r n = x_j - x_i + H is, for forces that balance,
+What is told of the mean stress are rows (`scaling.estimators.told.mean_stress`), with noise of
+their own where it has an error bar. Where that does not fix f̄, forces are f̄ s φ with φ, of mean
+1, of the prior in the program for f/f̄, and s unknown but for the pressure told: the width of the
+prior goes with s, so that small forces are no likelier than large ones. At the forces f̄ φ' of the
+last pass, s = 1 + t,
 
-    Σ f_n r = Σ (f_n n - f_t t) · (r n) = Σ (f_n n - f_t t) · H
+    f/f̄ = φ + φ' t
 
-with H the lattice vector that a contact crosses: the force across the sides of the cell.
+and the next pass has the mean force f̄ (1 + t).
 """
 
 from __future__ import annotations
@@ -18,20 +21,22 @@ from scipy.sparse import block_array, csr_array, diags_array, eye_array
 from packing.arguments.arrays import Floats
 from scaling.equation.global_moments import global_moments
 from scaling.estimators.bounded.posterior import Posterior
+from scaling.estimators.bounded.stress_data import stress_data
 
 _NO_LIMIT = 1e8
 """Friction above which |f_t| <= μ f_n asks for f_n >= 0 within the tolerance of the solver."""
 _WEAK = 0.1
 """Friction below which f_n >= 0 is asked for by itself."""
 
-Shift = tuple[Floats, Floats, Floats]
-"""Standard normals by which data, prior mean and second order move, (k,), (n,) and (c,)."""
+Shift = tuple[Floats, Floats, Floats, Floats]
+"""Standard normals by which data, prior mean, second order, and the stress that was told with an
+error bar move: (k,), (n,), (c,) and (u,), the pressure first."""
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """min ½ zᵀP z + qᵀz, equal z = b, cone z <= 0 in z = (f/f̄ ; g η ; free moments ; κ gap/f̄ ;
-    second order)."""
+    """min ½ zᵀP z + qᵀz, equal z = b, cone z <= 0 in z = (φ ; g η ; free moments ; noise of the
+    stress ; t ; κ gap/f̄ ; second order), no t and φ = f/f̄ where f̄ is fixed."""
 
     P: Floats
     q: Floats
@@ -45,10 +50,23 @@ class Program:
     explicit: slice
     """The rows that give f_n/f̄ in terms of the rest, for data="all"; none else."""
     posterior: Posterior
+    place: int = 0
+    """Of t in z."""
+    growing: Floats | None = None
+    """φ' (n,), where f̄ is not fixed."""
 
     def forces(self, z: Floats) -> Floats:
         """f of z (n,), or of (n, draws)."""
-        return self.mean_force * z[: self.unknowns]
+        φ = z[: self.unknowns]
+        if self.growing is not None:
+            φ = φ + np.multiply.outer(self.growing, self.growth(z))
+        return self.mean_force * φ
+
+    def growth(self, z: Floats) -> Floats:
+        """t, a number or (draws,)."""
+        if self.growing is None:
+            return np.zeros(z.shape[1:])
+        return z[self.place]
 
     def noise(self, z: Floats) -> Floats:
         """η of z."""
@@ -89,35 +107,41 @@ def program_of(
         found, slack = found + bias, csr_array(diags_array(-spread / g_slack))
         if shift is not None:
             found = found - spread * shift[2]
-    s, v, w = moments.shape[1], gaps.shape[1], slack.shape[1]
-    pressure, virial = _pressure(p)
-    widths = (k, s, v, w)
+    told = stress_data(p, last / f0, None if shift is None else shift[3])
+    m, s, v, w = equation.M.shape[0], moments.shape[1], gaps.shape[1], slack.shape[1]
+    u, i = told.noise.shape[1], len(told.sums)
     equal = block_array(
         [
-            [equation.M, turning, moments, *_zeros(equation.M.shape[0], widths[2:])],
-            [data, effect, *_zeros(len(found), widths[1:2]), gaps, slack],
-            [pressure, *_zeros(len(virial), widths)],
+            [equation.M, turning, moments, *_zeros(m, u, v, w)],
+            [data, effect, *_zeros(len(found), s), told.grow(data), gaps, slack],
+            [told.rows, *_zeros(i, k, s), told.noise, *_zeros(i, v, w)],
         ]
     )
-    b = [equation.balance_rhs() / f0 + turning @ η0, found + effect @ η0, virial]
+    b = [equation.balance_rhs() / f0 + turning @ η0, found + effect @ η0, told.sums]
     limits = _cone(c, p.friction, equation.frictional)
-    shut = [csr_array((v, n)), *_zeros(v, (k, s)), -eye_array(v), *_zeros(v, (w,))]
-    cone = block_array([[limits, *_zeros(limits.shape[0], widths)], shut])
+    shut = [*_zeros(v, n, k, s, u), -eye_array(v), *_zeros(v, w)]
+    cone = block_array([[limits, *_zeros(limits.shape[0], k, s, u, v, w)], shut])
     P = np.concatenate(
-        [width**-2.0, np.full(k, g**-2.0), np.zeros(s + v), np.full(w, g_slack**-2.0)]
+        [
+            width**-2.0,
+            np.full(k, g**-2.0),
+            np.zeros(s),
+            told.P,
+            np.zeros(v),
+            np.full(w, g_slack**-2.0),
+        ]
     )
     # A gap has an exponential prior of the mean by which the overlap scatters.
     price = 1 / scatter if p.gaps else np.zeros(v)
-    q = np.concatenate([-mean / width**2, np.zeros(k + s), price, np.zeros(w)])
-    first = equation.M.shape[0]
-    explicit = slice(first, first + (c if p.noise is not None and p.data == "all" else 0))
+    q = np.concatenate([-mean / width**2, np.zeros(k + s), told.q, price, np.zeros(w)])
+    explicit = slice(m, m + (c if p.noise is not None and p.data == "all" else 0))
     return Program(
-        P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit,
-        p,
+        P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit, p,
+        n + k + s + u - 1, told.growing,
     )  # fmt: skip
 
 
-def _zeros(rows: int, columns: tuple[int, ...]) -> list[csr_array]:
+def _zeros(rows: int, *columns: int) -> list[csr_array]:
     return [csr_array((rows, m)) for m in columns]
 
 
@@ -151,25 +175,6 @@ def data_rows(
         return turning, csr_array(eye_array(network.contacts, n)), equation.stiffened(B), overlaps
     t = equation.rhs()[equation.M.shape[0] :] / p.mean_force
     return turning, equation.matrices.closure, csr_array(equation.Q @ B), t
-
-
-def _pressure(p: Posterior) -> tuple[csr_array, Floats]:
-    """The row of Σ f_n r = 2 p A for f/f̄, and its right-hand side: of r̃ where they are data, else
-    of the forces that cross the sides of the cell. None on open networks, where balance implies
-    it."""
-    network, n = p.equation.network, p.equation.unknowns
-    if network.cell is None:
-        return csr_array((0, n)), np.zeros(0)
-    row = np.zeros(n)
-    if p.noise is not None and p.data == "all":
-        row[: network.contacts] = network.distances
-    else:
-        crossed = network.images @ network.cell
-        row[: network.contacts] = np.sum(network.normals * crossed, axis=1)
-        if p.equation.frictional:
-            row[network.contacts :] = -np.sum(network.tangents * crossed, axis=1)
-    unit = np.linalg.norm(row)  # it has up to 2c entries: made to weigh like one contact
-    return csr_array(row[None] / unit), np.array([p.virial / p.mean_force / unit])
 
 
 def _cone(contacts: int, friction: float, frictional: bool) -> csr_array:
