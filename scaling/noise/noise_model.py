@@ -49,12 +49,14 @@ class NoiseModel(Immutable):
     xi : ξ, the strength; 1 if it was not given. Of a covariance a length, the rms deviation
         of a source, and L has no unit
     unit : what L is measured in: ⟨σ⟩, or 1 for a covariance
+    aside : so many of the sources, the last, act on no grain: noise of what else is told
     """
 
     radii: csr_array
     positions: csr_array
     xi: float
     unit: float = 1.0
+    aside: int = 0
 
     def __post_init__(self) -> None:
         read_only((self.radii, self.positions))

@@ -102,11 +102,7 @@ def program_of(
         gaps = csr_array(-eye_array(c))
     slack, g_slack = csr_array((len(found), 0)), 1.0
     if curved:
-        bias, spread = _curvature(p)
-        g_slack = max(1.0, float(spread.max()))
-        found, slack = found + bias, csr_array(diags_array(-spread / g_slack))
-        if shift is not None:
-            found = found - spread * shift[2]
+        found, slack, g_slack = _second_order(p, found, None if shift is None else shift[2])
     told = stress_data(p, last / f0, None if shift is None else shift[3])
     m, s, v, w = equation.M.shape[0], moments.shape[1], gaps.shape[1], slack.shape[1]
     u, i = told.noise.shape[1], len(told.sums)
@@ -143,6 +139,18 @@ def program_of(
 
 def _zeros(rows: int, *columns: int) -> list[csr_array]:
     return [csr_array((rows, m)) for m in columns]
+
+
+def _second_order(
+    p: Posterior, found: Floats, shift: Floats | None
+) -> tuple[Floats, csr_array, float]:
+    """The data with the mean of the second order, the columns of its noise, and their scale."""
+    bias, spread = _curvature(p)
+    g = max(1.0, float(spread.max()))
+    found = found + bias
+    if shift is not None:
+        found = found - spread * shift
+    return found, csr_array(diags_array(-spread / g)), g
 
 
 def _curvature(p: Posterior) -> tuple[Floats, Floats]:

@@ -13,6 +13,8 @@ are left free), less that of transverse forces. It is at most the number of sour
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 from scipy.linalg import svdvals
 from scipy.sparse import csc_array, csr_array, diags_array, hstack, vstack
@@ -21,7 +23,21 @@ from packing.arguments.arrays import Floats, Integers
 from scaling.equation.force_equation import ForceEquation
 from scaling.equation.global_moments import global_moments
 from scaling.estimators.misfit import Misfit
+from scaling.estimators.told.mean_stress import MeanStress
 from scaling.noise.noise_model import NoiseModel
+
+
+class Asked(Protocol):
+    """The options that matter here."""
+
+    @property
+    def data(self) -> str:
+        """ "all", or "sizes"."""
+
+    @property
+    def told(self) -> MeanStress:
+        """Of the mean stress."""
+
 
 DENSE_UP_TO = 300
 """Conditions up to which ranks are those of a decomposition."""
@@ -29,10 +45,12 @@ _RANK = 1e-10
 
 
 def misfit_of_optimal(
-    equation: ForceEquation, noise: NoiseModel, η: Floats, φ: Floats, data: str
+    equation: ForceEquation, noise: NoiseModel, η: Floats, φ: Floats, asked: Asked
 ) -> Misfit:
     """Of `scaling.estimators.optimal.optimal`: η (k,) found, at the lengths φ = f/κ."""
-    d = float(conditions_on_noise(equation, noise, φ, data))
+    alone = conditions_on_noise(equation, noise, φ, asked.data)
+    # Each stress told is one condition more, as far as there is noise to meet it.
+    d = float(min(alone + len(asked.told.data), max(alone, noise.count)))
     return Misfit(float(η @ η), d, d)
 
 

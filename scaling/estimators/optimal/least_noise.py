@@ -17,6 +17,8 @@ redundant. That too is what `scaling.algebra.equality_least_squares` solves.
 data="sizes" knows no distances. Then the unknowns are y and f, the conditions balance and
 closure, Q f_n + κ Q B y = κ (Q|σ̃⟩ - Λ). Directions are exact in it.
 
+A mean stress told adds its rows: see `scaling.estimators.optimal.stress_conditions`.
+
 With a stiffness per contact φ = f/κ̄, of the mean, and B and δ in M_n B, M_n δ are times κ_e/κ̄.
 """
 
@@ -31,6 +33,8 @@ from scaling.algebra.evidence import Solved, accepted
 from scaling.equation.force_equation import ForceEquation, force_equation
 from scaling.equation.global_moments import global_moments
 from scaling.equation.places import places_of
+from scaling.estimators.optimal.stress_conditions import stress_conditions
+from scaling.estimators.told.mean_stress import NOTHING, MeanStress
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.noise_model import NoiseModel
 from scaling.noise.source_places import source_places
@@ -43,7 +47,7 @@ _ROUNDING = 1e3 * np.finfo(float).eps
 
 
 def geometric_problem(
-    equation: ForceEquation, noise: NoiseModel, φ: Floats
+    equation: ForceEquation, noise: NoiseModel, φ: Floats, told: MeanStress = NOTHING
 ) -> tuple[ConstrainedLeastSquares, csr_array, csr_array]:
     """The problem in (y ; φ_t) linearised at φ = f/κ, with its B and C.
 
@@ -53,20 +57,26 @@ def geometric_problem(
     B = equation.stiffened(noise.overlaps(network))
     C = csr_array(matrices.M_normal @ B + noise.balance(network, φ))
     blocks, at = [C / noise.unit], [source_places(network, noise)]
+    stress, c = stress_conditions(equation, noise, told), network.contacts
+    of_stress = [stress.of_noise(B) / noise.unit]
     if equation.frictional:
         matrices.transverse.require_full_rank()
-        blocks += [-matrices.M_tangential, global_moments(network)]
+        free = global_moments(network)
+        blocks += [-matrices.M_tangential, free]
+        of_stress += [stress.rows[:, c:], csr_array((len(stress.sums), free.shape[1]))]
         at.append(matrices.balancing.places)
-    conditions = hstack(blocks)
+    conditions = vstack([hstack(blocks), hstack(of_stress)])
     k, rest = noise.count, conditions.shape[1] - noise.count
     weights = hstack([eye_array(k), csr_array((k, rest))])
     name = "optimal estimate from sizes and distances"
     moments = blocks[-1].shape[1] if equation.frictional else 0
-    places = places_of(equation, at, moments)
+    places = places_of(equation, at, moments, rows=len(stress.sums))
     return ConstrainedLeastSquares(weights, conditions, name, places), B, C
 
 
-def size_problem(equation: ForceEquation, noise: NoiseModel) -> ConstrainedLeastSquares:
+def size_problem(
+    equation: ForceEquation, noise: NoiseModel, told: MeanStress = NOTHING
+) -> ConstrainedLeastSquares:
     """The problem in (y ; φ) of data="sizes", lengths in `noise.unit`."""
     if noise.moves:
         raise ValueError("data='sizes' takes directions as exact: position noise needs data='all'")
@@ -74,20 +84,26 @@ def size_problem(equation: ForceEquation, noise: NoiseModel) -> ConstrainedLeast
     matrices.system.require_full_rank()
     # Positions are exact: B is the response of σ.
     QB = matrices.Q @ noise.overlaps(equation.network) / noise.unit
+    stress = stress_conditions(equation, noise, told)
     conditions = vstack(
         [
             hstack([csr_array((equation.M.shape[0], noise.count)), equation.M]),
             hstack([QB, matrices.closure]),
+            hstack([stress.errors / noise.unit, stress.rows]),
         ]
     )
     weights = hstack([eye_array(noise.count), csr_array((noise.count, equation.unknowns))])
     at = [source_places(equation.network, noise), matrices.places]
-    places = places_of(equation, at, 0, rows=matrices.Q.shape[0])
+    places = places_of(equation, at, 0, rows=matrices.Q.shape[0] + len(stress.sums))
     return ConstrainedLeastSquares(weights, conditions, "optimal estimate from sizes", places)
 
 
 def optimal_forces(
-    equation: ForceEquation, stiffness: float, noise: NoiseModel, data: str
+    equation: ForceEquation,
+    stiffness: float,
+    noise: NoiseModel,
+    data: str,
+    told: MeanStress = NOTHING,
 ) -> tuple[Solved, Floats, int, float]:
     """(f, y = the noise found in the data, steps, relative change of f in the last one).
 
@@ -97,8 +113,9 @@ def optimal_forces(
     """
     unit = noise.unit
     if data == "sizes":
-        t = equation.rhs() / stiffness / unit
-        found = size_problem(equation, noise).solved(np.zeros(noise.count), t)
+        sums = stress_conditions(equation, noise, told).sums
+        t = np.concatenate([equation.rhs() / stiffness, sums]) / unit
+        found = size_problem(equation, noise, told).solved(np.zeros(noise.count), t)
         f = stiffness * unit * found.values[noise.count :]
         return _of_forces(found, stiffness * unit, f), found.values[: noise.count], 1, 0.0
     F = -equation.balance_rhs() / stiffness
@@ -106,9 +123,11 @@ def optimal_forces(
     y, φ = np.zeros(k), np.zeros(equation.unknowns)
     here, previous, change = equation, np.inf, np.inf
     for step in range(_MOST_STEPS):
-        problem, B, C = geometric_problem(here, noise, φ)
+        problem, B, C = geometric_problem(here, noise, φ, told)
         δ = here.stiffened(here.overlaps)
-        b = F + here.matrices.M_normal @ δ + C @ y
+        stress = stress_conditions(here, noise, told)
+        of_stress = stress.sums - stress.rows[:, :c] @ (δ + B @ y)
+        b = np.concatenate([F + here.matrices.M_normal @ δ + C @ y, of_stress])
         found = problem.solved(np.zeros(k), b / unit)
         u = found.values
         y_new, φ_t = u[:k], unit * u[k : k + equation.unknowns - c]

@@ -7,20 +7,23 @@ the bound of `scaling.cramer_rao` to first order in the noise.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arguments.arrays import Floats
+from packing.arguments.numbers import real_number
 from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
 from scaling.algebra.evidence import Solved
 from scaling.equation.force_equation import ForceEquation
 from scaling.estimators.estimator import LinearEstimator
-from scaling.estimators.misfit import warn_if_implausible
+from scaling.estimators.misfit import Misfit, warn_if_implausible
 from scaling.estimators.optimal.conditions import misfit_of_optimal
 from scaling.estimators.optimal.least_noise import geometric_problem, optimal_forces, size_problem
+from scaling.estimators.optimal.stress_conditions import stress_conditions, with_stress_noise
 from scaling.estimators.reconstruction import (
     Diagnostics,
     Reconstruction,
@@ -28,7 +31,10 @@ from scaling.estimators.reconstruction import (
     unbalanced,
 )
 from scaling.estimators.response import Response
-from scaling.noise.noise_model import noise_model
+from scaling.estimators.told.datum import Told
+from scaling.estimators.told.mean_stress import MeanStress, mean_stress
+from scaling.estimators.told.strength import Strength, likely_strength, strength
+from scaling.noise.noise_model import NoiseModel, noise_model
 from scaling.noise.told_noise import check_told_noise, refuse_no_noise, told
 
 
@@ -46,6 +52,8 @@ class OptimalDiagnostics(Diagnostics):
         κ ξ: times `scaling.cramer_rao(...)` of the same arguments the error of the forces
     freedom : float
         The degrees of freedom of `misfit`
+    strength : Strength
+        ξ with its standard error, where it was unknown; else None
     """
 
     noise: Floats
@@ -53,6 +61,7 @@ class OptimalDiagnostics(Diagnostics):
     change: float
     scale: float
     freedom: float
+    strength: Strength | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,9 +72,14 @@ class Optimal(LinearEstimator):
     ----------
     xi, noise, covariance : float, str and array_like
         The noise of the data, see `scaling.noise.noise_model`; one of xi and
-        covariance is needed to solve
+        covariance is needed to solve. xi = "unknown": of this kind, and of the strength that
+        makes the misfit 1
     data : str
         "all", or "sizes" (no distances, directions exact)
+    stress : mapping, optional
+        What is known of the mean stress of a cell, compression positive: "p", the pressure, and
+        the components "xx", "xy", "yx", "yy", each a number, or a number with its standard
+        deviation. Error maps take exact ones only
 
     Raises
     ------
@@ -87,25 +101,35 @@ class Optimal(LinearEstimator):
     ['1.000']
     """
 
-    xi: float | None = None
+    xi: float | str | None = None
     noise: str = "diameter"
     covariance: ArrayLike | None = None
     data: str = "all"
+    stress: Mapping[str, Told] | None = None
 
     name: ClassVar[str] = "optimal"
 
     def __post_init__(self) -> None:
         check_told_noise(self)
+        mean_stress(None, self.stress)
+
+    @property
+    def told(self) -> MeanStress:
+        """What is known of the mean stress."""
+        return mean_stress(None, self.stress)
 
     def find(self, equation: ForceEquation) -> Reconstruction:
         """The least noise, and the forces without it."""
         refuse_no_noise(self)
+        made, found = self, None
+        if isinstance(self.xi, str):
+            start = likely_strength(equation, self.noise)
+            found = strength(lambda ξ: replace(self, xi=ξ).least_noise(equation)[2], start)
+            made = replace(self, xi=found.xi)
         κ = self.stiffness(equation)
-        model = noise_model(equation.network, self.noise, self.covariance, self.xi)
-        solved, y, steps, change = optimal_forces(equation, κ, model, self.data)
+        (solved, y, steps, change), model, misfit = made.least_noise(equation)
         f, η = solved.values, y / model.xi
-        misfit = misfit_of_optimal(equation, model, η, f / κ, self.data)
-        warn_if_implausible(misfit, told(self))
+        warn_if_implausible(misfit, told(made))
         return reconstruction(
             self.name,
             equation,
@@ -119,26 +143,42 @@ class Optimal(LinearEstimator):
             change=change,
             scale=κ * model.xi,
             freedom=misfit.most,
+            strength=found,
         )
+
+    def least_noise(
+        self, equation: ForceEquation
+    ) -> tuple[tuple[Solved, Floats, int, float], NoiseModel, Misfit]:
+        """What `optimal_forces` finds, the noise model, and the misfit."""
+        κ = self.stiffness(equation)
+        ξ = None if self.xi is None else real_number("xi", self.xi)
+        plain = noise_model(equation.network, self.noise, self.covariance, ξ)
+        model = with_stress_noise(plain, self.told)
+        found = optimal_forces(equation, κ, model, self.data, self.told)
+        η = found[1] / model.xi
+        return found, model, misfit_of_optimal(equation, model, η, found[0].values / κ, self)
 
     def prepared(self, at: Response) -> ConstrainedLeastSquares:
         """The problem in (y ; φ), with the noise of the response for weights."""
         if self.data == "sizes":
-            return size_problem(at.equation, at.noise)
-        return geometric_problem(at.equation, at.noise, at.φ)[0]
+            return size_problem(at.equation, at.noise, self.told)
+        return geometric_problem(at.equation, at.noise, at.φ, self.told)[0]
 
     def respond(self, at: Response, η: Floats) -> Solved:
         """( B (1 - P) ; T ) η , ( P ; T ) the constrained solve of C = M_n B + D."""
         equation, k, unit = at.equation, at.noise.count, at.noise.unit
         n, matrices, problem = equation.unknowns, equation.matrices, at.prepared
+        stress = stress_conditions(equation, at.noise, self.told)
         if self.data == "sizes":
             QB = matrices.Q @ (at.overlaps @ η) / unit
-            b = np.concatenate([np.zeros((equation.M.shape[0], *η.shape[1:])), QB])
+            balance = np.zeros((equation.M.shape[0], *η.shape[1:]))
+            b = np.concatenate([balance, QB, stress.errors @ η / unit])
             found = problem.solved(np.zeros_like(η), b)
             return Solved(unit * found.values[k : k + n], found.error, found.solver)
         B = equation.stiffened(at.overlaps)
         C: Any = matrices.M_normal @ B + at.balance
-        found = problem.solved(np.zeros_like(η), C @ η / unit)
+        b = np.concatenate([C @ η, stress.of_noise(B) @ η]) / unit
+        found = problem.solved(np.zeros_like(η), b)
         u = found.values
         φ_t = unit * u[k : k + n - equation.network.contacts]
         return Solved(np.concatenate([B @ (η - u[:k]), φ_t]), found.error, found.solver)

@@ -57,6 +57,7 @@ class MeanStress:
 
 
 NOTHING = MeanStress()
+"""Nothing told."""
 
 
 def mean_stress(pressure: Any, stress: Any) -> MeanStress:
@@ -68,6 +69,10 @@ def mean_stress(pressure: Any, stress: Any) -> MeanStress:
     p = None if pressure is None else datum("pressure", pressure, positive_number)
     if stress is None:
         return MeanStress(p)
+    if isinstance(stress, Mapping) and "p" in stress:
+        if pressure is not None:
+            raise ValueError("the pressure is told twice: pressure, and stress['p']")
+        p = datum("stress['p']", stress["p"], positive_number)
     if not isinstance(stress, Mapping):
         raise ValueError(
             f"stress = {shown(stress)}: components by name are needed, "
@@ -75,9 +80,11 @@ def mean_stress(pressure: Any, stress: Any) -> MeanStress:
         )
     found = []
     for name, told in stress.items():
+        if name == "p":
+            continue
         if name not in COMPONENTS:
             raise ValueError(
-                f"stress has a component {shown(name)}: there are {', '.join(COMPONENTS)}"
+                f"stress has a component {shown(name)}: there are p, {', '.join(COMPONENTS)}"
             )
         one = datum(f"stress[{name!r}]", told)
         if one is not None:
