@@ -1,8 +1,9 @@
 """Credible intervals per contact, of draws from the posterior of `bounded`.
 
-Draws are projected (`scaling.uncertainty.projected_draws`), an approximation, or exact ones of the
-truncated Gaussian (`scaling.uncertainty.exact_draws`); the intervals are quantiles of
-either, and their coverage has to be, and is, measured (docs/intervals.md).
+Draws are projected (`scaling.estimators.bounded.draws.projected_draws`), an approximation, or
+exact ones of the truncated Gaussian (`scaling.estimators.bounded.draws.exact_draws`); the
+intervals are quantiles of either, and their coverage has to be, and is, measured
+(docs/intervals.md).
 
 It turns out that the exact ones enclose less: where constraints decide, what fails is the prior.
 Independent forces that balance are more alike than those of packings, whose f_n spread by 0.67
@@ -13,8 +14,6 @@ matters. Without friction the second order decides, and intervals are too narrow
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from packing.arguments.arrays import Floats, real_array
@@ -23,26 +22,14 @@ from packing.arguments.numbers import (
     instance,
     number_between,
     number_from_zero,
-    positive_number,
     whole_number,
 )
 from scaling.equation.force_equation import ForceEquation
 from scaling.estimators.bounded.bounded import Bounded
+from scaling.estimators.bounded.draws.exact_draws import truncated_draws
+from scaling.estimators.bounded.draws.posterior_mean import SPREAD, widened
+from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.estimators.bounded.posterior import Posterior
-from scaling.estimators.bounded.prior import Prior
-from scaling.uncertainty.exact_draws import truncated_draws
-from scaling.uncertainty.projected_draws import posterior_draws
-
-SPREAD = 2.0
-
-
-def widened(posterior: Posterior, spread: float = SPREAD) -> Posterior:
-    """The posterior with a prior `spread` times as wide."""
-    instance("posterior", posterior, Posterior)
-    spread = positive_number("spread", spread)
-    prior = posterior.prior
-    wide = Prior(prior.mean, spread * prior.normal, spread * prior.tangential)
-    return replace(posterior, prior=wide)
 
 
 def posterior_intervals(

@@ -8,10 +8,11 @@ import numpy as np
 
 from dem import Packing, Scene
 from scaling import relative_error
+from scaling.estimators.bounded.draws.exact_draws import truncated_draws
+from scaling.estimators.bounded.draws.posterior_mean import widened
+from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.estimators.bounded.maximum import bounded_forces
-from scaling.uncertainty.credible_intervals import coverage, enclosing, widened
-from scaling.uncertainty.exact_draws import truncated_draws
-from scaling.uncertainty.projected_draws import posterior_draws
+from scaling.uncertainty.credible_intervals import coverage, enclosing
 from studies.estimators.prior import LARGEST_XI, STRENGTHS, posterior_of
 from studies.packing_store import SEED, full, make
 

@@ -11,12 +11,12 @@ import numpy as np
 import scaling
 from scaling.estimators import Bounded
 from scaling.estimators.bounded import posterior, prior
+from scaling.estimators.bounded.draws.exact_draws import truncated_draws
+from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.geometry.high_precision import LowParts
 from scaling.noise import conventions
 from scaling.noise.noise_model import noise_model
 from scaling.uncertainty import collapse, credible_intervals, prefactor
-from scaling.uncertainty.exact_draws import truncated_draws
-from scaling.uncertainty.projected_draws import posterior_draws
 from studies import contact_lists
 from tests.fuzz.calls import Arguments, Call
 from tests.fuzz.samples import cellular, problem, sample

@@ -10,10 +10,10 @@ import pytest
 
 from packing import progress
 from scaling import error_map, reconstruct
+from scaling.estimators.bounded.draws.exact_draws import truncated_draws
+from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.estimators.bounded.posterior import posterior
 from scaling.uncertainty.credible_intervals import posterior_intervals
-from scaling.uncertainty.exact_draws import truncated_draws
-from scaling.uncertainty.projected_draws import posterior_draws
 from tests.conftest import packing
 from tests.scaling.packings import network_of
 

@@ -7,17 +7,13 @@ import pytest
 
 from packing.arguments.coordinate_rounding import resolution, rounding_noise
 from scaling import flat_guess, reconstruct
+from scaling.estimators.bounded.draws.exact_draws import truncated_draws
+from scaling.estimators.bounded.draws.posterior_mean import widened
+from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.estimators.bounded.posterior import posterior
 from scaling.estimators.bounded.prior import Prior
 from scaling.noise.noise_model import noise_model
-from scaling.uncertainty.credible_intervals import (
-    coverage,
-    enclosing,
-    posterior_intervals,
-    widened,
-)
-from scaling.uncertainty.exact_draws import truncated_draws
-from scaling.uncertainty.projected_draws import posterior_draws
+from scaling.uncertainty.credible_intervals import coverage, enclosing, posterior_intervals
 from tests.conftest import packing
 from tests.scaling.packings import network_of
 

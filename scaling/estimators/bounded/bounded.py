@@ -15,14 +15,19 @@ from numpy.typing import ArrayLike
 
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import (
+    choice,
     flag,
     instance,
     number_from_zero,
     real_number,
+    seed_number,
+    whole_number,
 )
 from scaling.algebra.evidence import Solved
 from scaling.equation.force_equation import ForceEquation
 from scaling.estimators.bounded.conditions import misfit_of_bounded
+from scaling.estimators.bounded.diagnostics import Besides, BoundedDiagnostics
+from scaling.estimators.bounded.draws.posterior_mean import BATCHES, posterior_mean
 from scaling.estimators.bounded.maximum import Maximum, bounded_maximum
 from scaling.estimators.bounded.posterior import Posterior, posterior_of
 from scaling.estimators.bounded.prior import Prior
@@ -30,7 +35,6 @@ from scaling.estimators.bounded.settling import Settled, settled
 from scaling.estimators.estimator import Estimator
 from scaling.estimators.misfit import Misfit, warn_if_implausible
 from scaling.estimators.reconstruction import (
-    Diagnostics,
     Reconstruction,
     reconstruction,
     unbalanced,
@@ -41,34 +45,6 @@ from scaling.estimators.told.strength import likely_strength
 from scaling.estimators.transverse import refuse_unused_friction
 from scaling.noise.noise_model import noise_model
 from scaling.noise.told_noise import check_told_noise, refuse_no_noise, told
-
-
-@dataclass(frozen=True, eq=False)
-class BoundedDiagnostics(Diagnostics):
-    """What `Bounded` tells besides.
-
-    Attributes
-    ----------
-    noise : numpy.ndarray
-        (k,) the most probable η
-    status, iterations, tolerance : str, int and float
-        Of the convex solver, see `scaling.algebra.quadratic_program`
-    curved : bool
-        Whether the second order of distances had to be let in
-    freedom : float
-        The degrees of freedom of `misfit`; None for ξ = ∞
-    settled : Settled
-        What was found of ξ and μ where they were not told exactly, with error bars and the
-        profile over μ
-    """
-
-    noise: Floats
-    status: str
-    iterations: int
-    tolerance: float
-    curved: bool
-    freedom: float | None
-    settled: Settled
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +73,10 @@ class Bounded(Estimator):
         What forces are before anything is measured, a `Prior`
     gaps : bool
         Whether contacts of the list may be open, with data="all"
+    estimate : str
+        "maximum" of the posterior, or its "mean", by draws (up to a few thousand grains)
+    draws, seed : int
+        Of the mean
     progress : bool
         None shows a bar on a terminal only, False never
 
@@ -126,6 +106,9 @@ class Bounded(Estimator):
     data: str = "all"
     prior: Prior = Prior()  # noqa: RUF009  # frozen
     gaps: bool = False
+    estimate: str = "maximum"
+    draws: int = 60
+    seed: int = 0
     progress: bool | None = None
 
     name: ClassVar[str] = "bounded"
@@ -137,6 +120,9 @@ class Bounded(Estimator):
         mean_stress(self.pressure, self.stress)
         instance("prior", self.prior, Prior)
         flag("gaps", self.gaps)
+        choice("estimate", self.estimate, ("maximum", "mean"))
+        whole_number("draws", self.draws, 2 * BATCHES)
+        seed_number(self.seed)
         if self.progress is not None:
             flag("progress", self.progress)
 
@@ -217,18 +203,28 @@ class Bounded(Estimator):
         misfit = None if self.blind else misfit_of_bounded(found.task, found.z)
         if misfit is not None:
             warn_if_implausible(misfit, told(made))
-        return self._recorded(equation, found, misfit, unknowns)
+        forces, mean = found.forces, None
+        if self.estimate == "mean":
+            settled = found.task.posterior
+            mean = posterior_mean(settled, self.seed, self.draws, self.progress)
+            forces = mean.forces
+        return self._recorded(equation, forces, found, misfit, Besides(unknowns, mean))
 
     def _recorded(
-        self, equation: ForceEquation, found: Maximum, misfit: Misfit | None, unknowns: Settled
+        self,
+        equation: ForceEquation,
+        forces: Floats,
+        found: Maximum,
+        misfit: Misfit | None,
+        besides: Besides,
     ) -> Reconstruction:
         report = found.report
         return reconstruction(
             self.name,
             equation,
             # Of a convex program the violation of its conditions is what is known afterwards.
-            Solved(found.forces, report.tolerance, "clarabel"),
-            unbalanced(equation, found.forces),
+            Solved(forces, report.tolerance, "clarabel"),
+            unbalanced(equation, forces),
             BoundedDiagnostics,
             misfit=None if misfit is None else misfit.value,
             noise=found.noise,
@@ -237,5 +233,6 @@ class Bounded(Estimator):
             tolerance=report.tolerance,
             curved=report.curved,
             freedom=None if misfit is None else misfit.most,
-            settled=unknowns,
+            settled=besides.settled,
+            mean=besides.mean,
         )

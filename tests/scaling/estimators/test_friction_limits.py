@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from scaling import ContactNetwork, flat_guess, reconstruct, relative_error
+from scaling.estimators.bounded.draws.exact_draws import truncated_draws
 from scaling.estimators.bounded.posterior import posterior
-from scaling.uncertainty.exact_draws import truncated_draws
 from tests.conftest import packing
 from tests.scaling.networks import triangle
 from tests.scaling.packings import network_of

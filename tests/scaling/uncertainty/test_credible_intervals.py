@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from scaling import perturb
+from scaling.estimators.bounded.draws import projected_draws
+from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import posterior
 from scaling.estimators.bounded.prior import Prior
 from scaling.noise.noise_model import noise_model
-from scaling.uncertainty import projected_draws
 from scaling.uncertainty.credible_intervals import (
     coverage,
     posterior_intervals,
 )
-from scaling.uncertainty.projected_draws import posterior_draws
 from tests.conftest import packing
 from tests.scaling.packings import network_of, noisy_problem
 

@@ -7,16 +7,13 @@ import pytest
 from scipy.stats import kstest, norm
 
 from scaling import ContactNetwork, force_equation, perturb
+from scaling.estimators.bounded.draws.exact_draws import Walls, truncated_draws
+from scaling.estimators.bounded.draws.posterior_mean import widened
+from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import posterior
 from scaling.noise.noise_model import noise_model
-from scaling.uncertainty.credible_intervals import (
-    enclosing,
-    posterior_intervals,
-    widened,
-)
-from scaling.uncertainty.exact_draws import Walls, truncated_draws
-from scaling.uncertainty.projected_draws import posterior_draws
+from scaling.uncertainty.credible_intervals import enclosing, posterior_intervals
 from tests.conftest import packing
 
 

@@ -16,8 +16,8 @@ from scaling import (
     stress,
 )
 from scaling.estimators import Bounded, Optimal
+from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.estimators.told.mean_stress import mean_stress, stress_rows, stress_sums
-from scaling.uncertainty.projected_draws import posterior_draws
 from tests.conftest import packing
 from tests.scaling.networks import loaded, triangle
 from tests.scaling.packings import network_of
