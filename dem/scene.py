@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from dem.model.law import elastic_law
-from dem.model.law_record import law_record
 from packing.arguments.numbers import (
     LARGEST,
     number_from_zero,
@@ -23,7 +22,8 @@ from packing.arguments.numbers import (
     whole_number,
 )
 from packing.contact_law import ContactLaw as ElasticLaw
-from packing.contact_law import Linear, is_law
+from packing.contact_law import Hertz, Linear, is_law
+from packing.contact_law.law_record import law_record
 
 #: Below three grains there is no loop, hence no force equation.  A grain in motion takes 0.6 kB:
 #: ten millions are as many as a large machine holds.
@@ -64,7 +64,8 @@ class Scene:
     aspect : float
         Width over height of the cell; none of the two less than 1.25 of the largest grain.
     contact : str or packing.contact_law.ContactLaw
-        "linear", f_n = κ δ, or a law: a frozen dataclass of plain numbers.
+        "linear", f_n = κ δ; "hertz", which stands for ``packing.contact_law.Hertz()``; or a law: a
+        frozen dataclass of plain numbers.
     boundary : str
         "periodic", isotropic pressure control.
 
@@ -117,12 +118,19 @@ class Scene:
                 f"[{SMALLEST_RATIO:g}, {LARGEST_RATIO:g}]"
             )
         self._check_width()
+        self._check_contact()
+        if not (isinstance(self.boundary, str) and self.boundary == "periodic"):
+            raise ValueError(f"boundary = {shown(self.boundary)} is not built yet; use 'periodic'")
+
+    def _check_contact(self) -> None:
+        if isinstance(self.contact, str) and self.contact == "hertz":
+            object.__setattr__(self, "contact", Hertz())
         if is_law(self.contact):
             self._take(self.contact)
-        for name, only in (("contact", "linear"), ("boundary", "periodic")):
-            value = getattr(self, name)
-            if not (is_law(value) or (isinstance(value, str) and value == only)):
-                raise ValueError(f"{name} = {shown(value)} is not built yet; use {only!r}")
+        elif not (isinstance(self.contact, str) and self.contact == "linear"):
+            raise ValueError(
+                f"contact = {shown(self.contact)} is not built yet; use 'linear', 'hertz' or a law"
+            )
 
     def _take(self, contact: ElasticLaw) -> None:
         """A law in place of linear springs; those are what they are called."""

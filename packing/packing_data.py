@@ -18,6 +18,9 @@ import numpy as np
 from packing.arguments.arrays import Floats, Integers
 from packing.arguments.immutable import Immutable
 from packing.boundary import Boundary, boundary_of
+from packing.contact_law import ContactLaw, Linear
+from packing.contact_law.between import law_between
+from packing.contact_law.law_record import recorded_law
 from packing.doubledouble import DoubleDouble, hypot
 from packing.provenance import Provenance
 
@@ -64,6 +67,20 @@ class PackingData(Immutable):
     def delta(self) -> float:
         """Δ = p/κ, the deformation of the grains in mean diameters."""
         return self.pressure / self.stiffness
+
+    @property
+    def law(self) -> ContactLaw:
+        """The contact law of these contacts; ValueError for one of somebody else's.
+
+        Linear, unless the scene on record says otherwise.
+        """
+        told = (self.provenance.scene or {}).get("contact")
+        if not isinstance(told, dict):
+            ratio = (
+                Linear.stiffness_ratio if self.stiffness_ratio is None else self.stiffness_ratio
+            )
+            return Linear(self.stiffness, ratio)
+        return law_between(recorded_law(told), self.radii, self.pairs)
 
     @property
     def forces(self) -> Floats:

@@ -38,6 +38,7 @@ def bearing_contacts(
 def forces_as_integrated(state: State, near: Neighbours, law: ContactLaw) -> ContactForces:
     """What time integration has left at the contacts."""
     overlap = np.maximum(near.sigma - np.abs(near.branches(state)), 0.0)
+    law = law if law.linear else law.of(near.effective_radii)
     normal = law.force(overlap)
     bearing = bearing_contacts(near, normal > 0, law, len(state.radii))
     return ContactForces(normal, law.tangential_stiffness(overlap) * near.elongation, bearing)

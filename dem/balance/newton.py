@@ -145,6 +145,8 @@ def _carry(
         lag = np.abs(normal - balance.law.force(overlaps))[trial.bearing].max(initial=0.0)
         if lag > LAG * balance.stiffness * np.finfo(float).eps * balance.near.sides.max():
             raise PolishFailed(f"f_n - κ overlap is {lag / pressure:.2g} p: moves too long")
+        if balance.law.incremental and (turned := _turned_back(balance, trial, overlaps)):
+            raise PolishFailed(f"{turned} contacts turn from loading to unloading, or back")
         pulls = trial.bearing & (normal < 0)
         if not pulls.any():
             residual = np.abs(trial.residual(normal, tangential)).max()
@@ -152,6 +154,14 @@ def _carry(
             return ContactForces(normal, tangential, trial.bearing, worst, iterations), moves
         trial = balance.without(trial, pulls)
     raise PolishFailed(f"{int(pulls.sum())} contacts would have to pull")
+
+
+def _turned_back(balance: Equilibrium, trial: Trial, overlaps: Floats) -> int:
+    """Contacts that the last moves took to the other branch, by more than rounding."""
+    one, other = trial.overlap - balance.overlap, overlaps - balance.overlap
+    rounding = LAG * np.finfo(float).eps * balance.near.sides.max()
+    turned = (one * other < 0) & (np.abs(one - other) > rounding)
+    return int((turned & trial.bearing & ~trial.sliding).sum())
 
 
 def increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Floats]:

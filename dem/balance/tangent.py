@@ -8,8 +8,10 @@ torque rows), and the residual R = M f - (0 ; 2 p A/ℓ) by
     N = M_n without its cell row,
     df_n = -f'(δ) δr;   df_t = k_t δq if the contact sticks, ± μ df_n if it slides;
 
-f' = κ of linear springs.  Where k_t changes with the overlap that change is left out: Newton's
-method then ends no worse, but converges linearly.
+f' = κ of linear springs.  Where k_t changes with the overlap, incremental laws (Hertz and Mindlin)
+have the part of df_t/dδr that goes with it, on the branch, loading or unloading since the start,
+on which the contact is; of others that change is left out: Newton's method then ends no worse,
+but converges linearly.
 """
 
 from __future__ import annotations
@@ -40,14 +42,16 @@ class Equilibrium:
 
     def __init__(self, state: State, near: Neighbours, law: ContactLaw, pressure: float) -> None:
         assert state.cell is not None
-        self.near, self.law, self.pressure = near, law, pressure
+        self.near, self.pressure = near, pressure
+        self.law = law if law.linear else law.of(near.effective_radii)
         self.count = len(state.radii)
         self.rotates = law.friction > 0
         self.span = float(np.sqrt(self.count))  # ℓ, so that the cell's row is like a grain's
         self.area = float(np.prod(sides_of(state.cell)))
         self.scale = near.scale(state)
         self.start = near.branches(state)
-        deepest = float((near.sigma - np.abs(self.start)).max(initial=0.0))
+        self.overlap = np.maximum(near.sigma - np.abs(self.start), 0.0)
+        deepest = float(self.overlap.max(initial=0.0))
         #: The unit κ of stiffness: that of the deepest contact.
         self.stiffness = float(law.slope(np.array([deepest]))[0])
 
@@ -62,7 +66,10 @@ class Equilibrium:
         bearing = bearing_contacts(near, pushing > 0, law, count)
         normal = np.where(bearing, pushing, 0.0)
         k_t = law.tangential_stiffness(overlap)
-        sprung = k_t * (near.elongation + (aside - turn[i] - turn[j]))
+        held = near.elongation
+        if law.incremental:
+            held = held * law.kept(self.overlap, overlap)
+        sprung = k_t * (held + (aside - turn[i] - turn[j]))
         cap = law.friction * normal
         return Trial(
             near, y, d, overlap, normal, np.clip(sprung, -cap, cap),
@@ -109,8 +116,20 @@ class Equilibrium:
         k_t = law.tangential_stiffness(trial.overlap)
         on_slip = np.where(sticks & self.rotates, k_t, 0.0)
         slides = law.friction * np.sign(trial.tangential) * np.where(trial.sliding, on_normal, 0.0)
+        if law.incremental:
+            slides = np.where(sticks, self._unloading(trial), slides)
         r = trial.r
         return Response(on_normal, on_slip, slides, trial.normal / r, trial.tangential / r)
+
+    def _unloading(self, trial: Trial) -> Floats:
+        """df_t/dδr of contacts that stick: of k_t ∝ √δ half of f_t/δ, where a contact loads
+        without what it bore at the start."""
+        loads = trial.overlap > self.overlap
+        before = self.law.tangential_stiffness(self.overlap) * self.near.elongation
+        grows = trial.tangential - np.where(loads, before, 0.0)
+        return -0.5 * np.divide(
+            grows, trial.overlap, out=np.zeros_like(grows), where=trial.bearing
+        )
 
     def _border(self, trial: Trial, response: Response) -> Border:
         """Row, column and corner of the cell."""

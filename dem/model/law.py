@@ -19,6 +19,7 @@ from packing.arguments.arrays import Floats
 from packing.arguments.numbers import number_from_zero
 from packing.contact_law import ContactLaw as ElasticLaw
 from packing.contact_law import Linear, PerContact, is_law
+from packing.contact_law.between import is_incremental, kept
 
 #: Overlaps up to the largest foreseen at which a law that is not linear is asked how stiff it is.
 _SAMPLES = 64
@@ -102,6 +103,21 @@ class ContactLaw:
         """k_t of linear springs; ValueError for another law, which has none."""
         return self.stiffness * self.stiffness_ratio
 
+    @cached_property
+    def incremental(self) -> bool:
+        """Whether slip adds to f_t at the k_t of its time (``packing.contact_law.between``)."""
+        return is_incremental(self.contact)
+
+    def of(self, radii: Floats) -> ContactLaw:
+        """The law of contacts of these effective radii ``(c,)``, if it depends on them."""
+        if self.linear is not None or not hasattr(self.contact, "of_contacts"):
+            return self
+        return replace_contact(self, self.contact.of_contacts(radii))
+
+    def kept(self, before: Floats, now: Floats) -> Floats:
+        """What is left of an elongation when the overlap goes from ``before`` to ``now``."""
+        return kept(self.contact, before, now)
+
     def _springs(self, name: str) -> Linear:
         if self.linear is None:
             raise ValueError(f"contact = {self.contact!r} has no {name}: it is not linear")
@@ -135,6 +151,11 @@ class ContactLaw:
         up_to = np.linspace(0.0, overlap, _SAMPLES + 1)[1:]
         k_t = self.contact.tangential_stiffness(up_to)
         return max(float(np.max(self.slope(up_to))), 2 * float(np.max(k_t)))
+
+
+def replace_contact(law: ContactLaw, contact: ElasticLaw) -> ContactLaw:
+    """``law`` with another elastic law."""
+    return ContactLaw(friction=law.friction, dashpot=law.dashpot, contact=contact)
 
 
 def elastic_law(contact: object) -> ElasticLaw:

@@ -12,6 +12,7 @@ where small grains are carried apart by less beyond their contact than large one
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -20,6 +21,7 @@ from scipy.sparse import csr_array
 from dem.model.history import History
 from packing.arguments.arrays import Floats
 from packing.arguments.arrays import Integers as Ints
+from packing.contact_law.between import effective_radii
 
 
 class Placed(Protocol):
@@ -36,7 +38,8 @@ class Neighbours:
     ``incidence`` (complex: forces are) adds -(force on i) to j, ``adjacency`` adds the same
     torque to both; ``columns (2, c)`` are the pairs again, contiguous for the kernels.  As they
     were at the build: lattice vector ``shift`` of each pair and positions ``origin``, both as
-    x + iy, and the ``sides`` of the cell (0 without one).
+    x + iy, and the ``sides`` of the cell (0 without one).  ``radii`` are those of the grains, for
+    laws that depend on them.
     """
 
     pairs: Ints
@@ -52,6 +55,7 @@ class Neighbours:
     skin: float
     smallest: float
     largest: float
+    radii: Floats
 
     def reach(self, scale: float) -> float:
         """The displacement max|u| up to which the list stays complete."""
@@ -67,6 +71,11 @@ class Neighbours:
         i, j = self.columns
         z = as_complex(grains.positions)
         return z[j] - z[i] + self.shift * self.scale(grains)
+
+    @cached_property
+    def effective_radii(self) -> Floats:
+        """R_i R_j/(R_i + R_j) of each pair ``(c,)``."""
+        return effective_radii(self.radii, self.pairs)
 
     def single(self) -> Neighbours:
         """The list in float32, for positions given as displacements u: d = λ d⁰ + u_j - u_i.

@@ -64,6 +64,7 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
         skin=skin,
         smallest=2 * float(state.radii.min()),
         largest=2 * float(state.radii.max()),
+        radii=state.radii,
     )
 
 

@@ -60,8 +60,8 @@ def relax(
     ValueError
         Before any work: a scene whose cell is too narrow for its grains; a seed that is no whole
         number >= 0; float32 with Δ < 1e-4; more than 1e8 time steps to the end of
-        ``settings.longest``; a contact law that is not linear with Δ < 1e-6, float32 or a
-        compiled kernel.
+        ``settings.longest``; a contact law that is not linear with Δ < 1e-6 or float32, one of
+        somebody else's with a compiled kernel.
     NotRelaxed
         Rest was not reached within ``settings.longest`` inertial times; continuation to Δ < 1e-6
         stopped on the way, from each start.

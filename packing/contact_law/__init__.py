@@ -7,10 +7,11 @@ from numpy.typing import ArrayLike
 
 from packing.arguments.numbers import positive_number
 from packing.contact_law.contact_law import ContactLaw
+from packing.contact_law.hertz import Hertz
 from packing.contact_law.linear import Linear
 from packing.contact_law.per_contact import PerContact
 
-__all__ = ["ContactLaw", "Linear", "PerContact", "is_law", "law_of"]
+__all__ = ["ContactLaw", "Hertz", "Linear", "PerContact", "is_law", "law_of"]
 
 _METHODS = ("force", "overlap", "slope", "tangential_stiffness", "delta")
 

@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from packing.arguments.arrays import real_array
+from packing.arguments.arrays import Floats, real_array
 from packing.arguments.numbers import flag, instance, positive_number
-from packing.contact_law import ContactLaw
+from packing.contact_law import ContactLaw, Linear, PerContact, law_of
 from packing.contacts import contact_list
 from scaling.algebra.estimate import Estimate
 from scaling.algebra.probes import Probing
@@ -74,7 +75,8 @@ def amplification(
 
     Notes
     -----
-    Where contacts differ in stiffness, Δ in C ξ/Δ is p over the mean κ.
+    Where contacts differ in stiffness, Δ in C ξ/Δ is p over the mean κ. Of a law that is not
+    linear Δ is `law.delta(p)`, and C = K κ̄ Δ/⟨|f|⟩ with κ̄ the mean slope at the forces.
 
     Examples
     --------
@@ -103,7 +105,18 @@ def amplification(
         probes=probes,
         **more,
     )
-    return Estimate(K * pressure / mean, K.error * pressure / mean, K.probes)
+    scale = _stress_scale(stiffness, f[: network.contacts], pressure) / mean
+    return Estimate(K * scale, K.error * scale, K.probes)
+
+
+def _stress_scale(
+    stiffness: ArrayLike | ContactLaw | None, normal: Floats, pressure: float
+) -> float:
+    """κ Δ: the pressure, or of a law that is not linear its mean slope times Δ."""
+    law = None if stiffness is None else law_of(stiffness)
+    if law is None or isinstance(law, Linear | PerContact):
+        return pressure
+    return float(np.mean(law.slope(law.overlap(normal)))) * law.delta(pressure)
 
 
 def amplification_of(
@@ -119,8 +132,8 @@ def amplification_of(
     Parameters
     ----------
     packing : object
-        Anything with the fields of a network, `forces`, `pressure` and `stiffness`; it is
-        frictionless if it has c forces instead of 2c
+        Anything with the fields of a network, `forces`, `pressure` and `stiffness`, and with a
+        `law` if that is not linear; it is frictionless if it has c forces instead of 2c
     method, noise : str
         See `gain`
     probes : int or Probing, optional
@@ -154,7 +167,9 @@ def amplification_of(
     '0.1202'
     """
     network = ContactNetwork.from_packing(packing)
-    moves = noise == "position"
+    moves, law = noise == "position", nonlinear_law(packing)
+    if law is None:
+        law = packing.stiffness if moves else getattr(packing, "stiffness", None)
     return amplification(
         network,
         method,
@@ -162,10 +177,16 @@ def amplification_of(
         forces=packing.forces,
         pressure=packing.pressure,
         frictional=is_frictional(network, packing.forces),
-        stiffness=packing.stiffness if moves else getattr(packing, "stiffness", None),
+        stiffness=law,
         probes=probes,
         **options,
     )
+
+
+def nonlinear_law(packing: Any) -> ContactLaw | None:
+    """The law of a packing, if it has one that is not linear."""
+    law = getattr(packing, "law", None)
+    return None if law is None or isinstance(law, Linear | PerContact) else law
 
 
 def is_frictional(network: ContactNetwork, forces: ArrayLike) -> bool:

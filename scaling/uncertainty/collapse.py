@@ -25,7 +25,7 @@ from scaling.equation.force_equation import force_equation
 from scaling.estimators.table import informed, linear_names
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.conventions import NonPositiveRadius, check_noise, perturb
-from scaling.uncertainty.amplification import amplification_of
+from scaling.uncertainty.amplification import amplification_of, nonlinear_law
 from scaling.uncertainty.relative_error import relative_error
 
 _PER_ROW = 500
@@ -64,7 +64,8 @@ def collapse(
     Parameters
     ----------
     packings : iterable
-        With the fields of a network, and `forces` (2c or c), `stiffness`, `pressure`, `delta`
+        With the fields of a network, and `forces` (2c or c), `stiffness`, `pressure`, `delta`, and
+        with a `law` if that is not linear
     xis : array_like
         Strengths of the noise in units of each packing's Δ, positive
     rng : numpy.random.Generator
@@ -161,7 +162,9 @@ class _Truth:
         true, frictional = contact_list.forces(more["forces"], network.contacts)
         delta = positive_number("delta", more["delta"])
         C = amplification_of(packing, method, noise, probes=probes, **options)
-        return cls(network, true, frictional, more["stiffness"], delta, method, noise, options, C)
+        law = nonlinear_law(packing)
+        law = more["stiffness"] if law is None else law
+        return cls(network, true, frictional, law, delta, method, noise, options, C)
 
     def drawn(
         self, ratios: Floats, rng: np.random.Generator, draws: int, xi_max: float

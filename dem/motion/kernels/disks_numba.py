@@ -1,7 +1,7 @@
 """The compiled twin of ``disks_numpy``: the same formulas, one pair at a time (extra ``fast``).
 
-It knows linear springs only.  A test holds the two together to round-off over hundreds of
-steps.
+It knows linear springs and, by a loop of its own (``hertz_loop``), elastic spheres.  A test holds
+the two kernels together to round-off over hundreds of steps.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ from numba import njit
 from dem.model.drive import Drive
 from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours
+from dem.motion.kernels.hertz_loop import hertz_forces
 from dem.motion.kernels.motion import Forces, Motion
+from packing.contact_law import Hertz
 
 
 def _forces(z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, dt, pull, twist):  # type: ignore[no-untyped-def]
@@ -106,10 +108,11 @@ def _advance(  # type: ignore[no-untyped-def]
 
 
 @cache
-def _compiled(kept: bool) -> dict[str, Callable]:
-    """The two loops compiled; ``kept`` on disk for the next process."""
+def _compiled(kept: bool, loop: Callable) -> dict[str, Callable]:
+    """The two loops compiled, with this ``loop`` over pairs; ``kept`` on disk for the next
+    process."""
     compile_ = njit(cache=kept, error_model="numpy", fastmath={"contract"})
-    forces = compile_(_forces)
+    forces = compile_(loop)
     advance = FunctionType(_advance.__code__, globals() | {"_forces": forces})
     return {"forces": forces, "advance": compile_(advance)}
 
@@ -117,7 +120,7 @@ def _compiled(kept: bool) -> dict[str, Callable]:
 _keeps = True
 
 
-def _run(name: str, *arguments: Any) -> Any:
+def _run(name: str, loop: Callable, *arguments: Any) -> Any:
     """Call a loop; where machine code cannot be kept, compile it in each process.
 
     That costs seconds and changes no number: a read-only package and no home, a full disk, a
@@ -127,25 +130,34 @@ def _run(name: str, *arguments: Any) -> Any:
     global _keeps
     if _keeps:
         try:
-            return _compiled(True)[name](*arguments)
+            return _compiled(True, loop)[name](*arguments)
         except Exception:  # a damaged file can raise nearly anything
             _keeps = False
-    return _compiled(False)[name](*arguments)
+    return _compiled(False, loop)[name](*arguments)
 
 
 def refuse_law(law: ContactLaw) -> None:
-    """ValueError for springs that are not linear."""
-    if law.linear is None:
+    """ValueError for what are neither linear springs nor elastic spheres."""
+    if law.linear is None and not isinstance(law.contact, Hertz):
         raise ValueError(
-            f"contact = {law.contact!r}: the compiled kernel knows linear springs only; take "
-            'backend="numpy"'
+            f"contact = {law.contact!r}: the compiled kernel knows linear springs and Hertz only; "
+            'take backend="numpy"'
         )
 
 
-def constants(m: Motion, law: ContactLaw) -> tuple[Any, Any, Any, Any]:
-    """κ, k_t, μ and c_n as numbers of the precision in which grains move."""
+def constants(
+    m: Motion, near: Neighbours, law: ContactLaw
+) -> tuple[Callable, tuple[Any, Any, Any, Any]]:
+    """The loop over pairs, and κ, k_t, μ and c_n in the precision in which grains move; of Hertz
+    κ √(4R) of each pair, and the ratio of k_t to the slope."""
     real = m.s.dtype.type
-    return real(law.stiffness), real(law.tangential), real(law.friction), real(law.dashpot)
+    if isinstance(law.contact, Hertz):
+        mine = law.contact.of_contacts(near.effective_radii)
+        k: Any = np.asarray(mine.strength, m.s.dtype)
+        loop, kt = hertz_forces, mine.stiffness_ratio
+    else:
+        loop, k, kt = _forces, real(law.stiffness), law.tangential
+    return loop, (k, real(kt), real(law.friction), real(law.dashpot))
 
 
 def half_words(near: Neighbours) -> Any:
@@ -157,10 +169,11 @@ def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> F
     """As ``disks_numpy.contact_forces``."""
     pull, twist = np.empty_like(m.z), np.empty_like(m.s)
     i, j = half_words(near)
+    loop, numbers = constants(m, near, law)
     virial = _run(
-        "forces",
+        "forces", loop,
         m.z, m.v, m.s, m.scale, m.rate, i, j, near.shift, near.sigma, near.elongation,
-        *constants(m, law), m.s.dtype.type(dt), pull, twist,
+        *numbers, m.s.dtype.type(dt), pull, twist,
     )  # fmt: skip
     return Forces(pull, twist, float(virial))
 
@@ -178,12 +191,13 @@ def advance(
     """As ``disks_numpy.advance``."""
     i, j = half_words(near)
     controlled = drive.pressure is not None
+    loop, numbers = constants(m, near, law)
     done, drifted, m.scale, m.rate, virial = _run(
-        "advance",
+        "advance", loop,
         m.z, m.v, m.s, 1 / m.mass, m.total, m.area, m.scale, m.rate,
         i, j, near.shift, near.sigma, near.elongation,
         near.origin, near.skin, near.smallest, near.largest,
-        *constants(m, law), drive.drag, drive.pressure or 0.0, controlled,
+        *numbers, drive.drag, drive.pressure or 0.0, controlled,
         dt, steps, drifted, forces.pull, forces.twist, forces.virial,
     )  # fmt: skip
     return done, drifted, Forces(forces.pull, forces.twist, virial)

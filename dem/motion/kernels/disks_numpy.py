@@ -4,6 +4,9 @@ With d = z_j - z_i, n = d/r and t = i n, a contact pulls grain i by (-f_n + i f_
 the opposite, and turns both by R f_t.  Surface speeds s = R ω stand for the spins, so that
 ds/dt = 2 (Σ f_t)/m beside dv/dt = (Σ f)/m.
 
+Where slip adds to f_t at the k_t of its time, elongations change with k_t: the overlap of a step
+ago is that of the branch before the drift.
+
 Velocity Verlet: half a kick, then drift, forces, kick, ..., and half a kick at the end.  The
 slip of a contact over a step is taken in the frame at mid-step, where d is d - (v_j - v_i) dt/2:
 that keeps the scheme of second order with history.
@@ -37,7 +40,8 @@ def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> F
     virial = 0.0
     for first in range(0, count, BLOCK):
         pairs = slice(first, first + BLOCK)
-        virial += _pair_forces(m, near, law, dt, pairs, force[pairs], tangential[pairs])
+        mine = law if law.linear else law.of(near.effective_radii[pairs])
+        virial += _pair_forces(m, near, mine, dt, pairs, force[pairs], tangential[pairs])
     twist = near.adjacency @ tangential if law.friction else np.zeros_like(m.s)
     return Forces(near.incidence @ force, twist, virial)
 
@@ -68,6 +72,9 @@ def _pair_forces(
         return float(normal @ r)
     turn = m.s[i] + m.s[j]
     u = near.elongation[pairs]
+    if law.incremental:
+        before = (d - dt * (m.v[j] - m.v[i])) / (1 + m.rate * dt)
+        u *= law.kept(near.sigma[pairs] - np.abs(before), overlap)
     u += dt * (slip.imag / (1 - 0.5 * dt * slip.real / r) - turn)
     # A force of zero keeps no memory: an open contact has cap 0, hence u = 0.
     cap = law.friction * normal

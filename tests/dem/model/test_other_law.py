@@ -175,7 +175,7 @@ def test_what_knows_linear_springs_only_says_so():
 def test_the_compiled_kernel_refuses_other_laws_before_any_work():
     pytest.importorskip("numba")
     for backend in ("numba", "auto"):
-        refusal = r'Stiffening\(.*knows linear springs only; take backend="numpy"'
+        refusal = r'Stiffening\(.*knows linear springs and Hertz only; take backend="numpy"'
         with pytest.raises(ValueError, match=refusal):
             relax(Scene(10**6, 1e-2, contact=Stiffening()), 1, settings=Settings(backend=backend))
         with pytest.raises(ValueError, match=refusal):

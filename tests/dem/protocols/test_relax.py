@@ -144,7 +144,7 @@ def test_not_relaxed_travels_between_processes():
         ({"polydispersity": 1.0}, "polydispersity = 1.0"),
         ({"stiffness_ratio": 0.0}, "stiffness_ratio = 0.0"),
         ({"aspect": -1.0}, "aspect = -1.0"),
-        ({"contact": "hertz"}, "contact = 'hertz' is not built yet"),
+        ({"contact": "hooke"}, "contact = 'hooke' is not built yet"),
         ({"boundary": "walls"}, "boundary = 'walls' is not built yet"),
     ],
 )

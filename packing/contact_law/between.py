@@ -1,0 +1,39 @@
+"""The law of contacts between grains of known sizes, and what is kept of slip when k_t changes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from packing.arguments.arrays import Floats, Integers
+from packing.contact_law.contact_law import ContactLaw
+
+
+def effective_radii(radii: Floats, pairs: Integers) -> Floats:
+    """R_i R_j/(R_i + R_j) of each contact (c,)."""
+    one, other = radii[pairs[:, 0]], radii[pairs[:, 1]]
+    return one * other / (one + other)
+
+
+def law_between(law: ContactLaw, radii: Floats, pairs: Integers) -> ContactLaw:
+    """The law of these contacts; that of all, if it does not depend on the sizes of grains.
+
+    `radii` (N,) are in mean diameters.
+    """
+    of_contacts = getattr(law, "of_contacts", None)
+    return law if of_contacts is None else of_contacts(effective_radii(radii, pairs))
+
+
+def is_incremental(law: ContactLaw) -> bool:
+    """Whether slip adds to f_t at the k_t of its time: then elongations change with k_t."""
+    return bool(getattr(law, "incremental", False))
+
+
+def kept(law: ContactLaw, before: Floats, now: Floats) -> Floats:
+    """What is left of an elongation f_t/k_t when the overlap goes from `before` to `now`.
+
+    Loading keeps f_t, so that the elongation shrinks as 1/k_t; unloading keeps the elongation, so
+    that f_t falls with k_t.
+    """
+    was = law.tangential_stiffness(np.maximum(before, 0.0))
+    is_ = law.tangential_stiffness(np.maximum(now, 0.0))
+    return np.divide(was, is_, out=np.ones_like(now), where=is_ > was)
