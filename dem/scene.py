@@ -23,7 +23,7 @@ from packing.arguments.numbers import (
 )
 from packing.contact_law import ContactLaw as ElasticLaw
 from packing.contact_law import Hertz, Linear, is_law
-from packing.contact_law.law_record import law_record
+from packing.law_record import law_record
 
 #: Below three grains there is no loop, hence no force equation.  A grain in motion takes 0.6 kB:
 #: ten millions are as many as a large machine holds.

@@ -20,8 +20,8 @@ from packing.arguments.immutable import Immutable
 from packing.boundary import Boundary, boundary_of
 from packing.contact_law import ContactLaw, Linear
 from packing.contact_law.between import law_between
-from packing.contact_law.law_record import recorded_law
 from packing.doubledouble import DoubleDouble, hypot
+from packing.law_record import recorded_law
 from packing.provenance import Provenance
 
 

@@ -1,6 +1,6 @@
 """What a packing records of the contact law that it was made with: its name and its numbers.
 
-Laws of this folder are found again by their names; those of others are not imported on the word of
+Laws of `packing.contact_law` are found again by their names; those of others are not imported on the word of
 a file.
 """
 
@@ -36,7 +36,7 @@ _KNOWN = {f"{kind.__module__}.{kind.__qualname__}": kind for kind in (Hertz,)}
 
 
 def recorded_law(record: dict[str, Any]) -> ContactLaw:
-    """The law of a `law_record`; ValueError for one that is not of this folder."""
+    """The law of a `law_record`; ValueError for one that is not of `packing.contact_law`."""
     kind = _KNOWN.get(str(record.get("law")))
     if kind is None:
         raise ValueError(
