@@ -2,11 +2,12 @@
 
 Both backends on packings of N = 1000 at rest at Δ = 1e-3, all cases interleaved in one run, median
 (min–max); the ratios are what to read.  Friction 0 has no history, no rotation, no torques, and a
-packing of its own (that of friction would flow without it, and rebuild its list); a fixed cell has
-no pressure control.  In this model grains turn because friction turns them and friction remembers:
-a scene has both or neither.  What rotation alone costs is timed piece by piece on the NumPy kernel
-(surface speeds of a pair, sum of torques, kick of the spins); the rest of what friction adds is
-its history (slip, spring, slider).  Numba's single loop cannot be taken apart like that.
+packing of its own (that of friction would flow without it, and rebuild its list), and so have
+elastic spheres; a fixed cell has no pressure control.  In this model grains turn because friction
+turns them and friction remembers: a scene has both or neither.  What rotation alone costs is timed
+piece by piece on the NumPy kernel (surface speeds of a pair, sum of torques, kick of the spins);
+the rest of what friction adds is its history (slip, spring, slider).  Numba's single loop cannot
+be taken apart like that.
 
     python -m benchmarks.step_cost
 """
@@ -23,6 +24,7 @@ from dem import ContactLaw, Drive, History, Packing, Scene, State, relax, step
 from dem.motion.kernels.disks_numpy import contact_forces, kick
 from dem.motion.kernels.motion import Motion
 from dem.motion.neighbours import find_neighbours
+from packing.contact_law import Hertz
 from studies.command_line import counts
 from studies.error_bars import spread
 
@@ -36,7 +38,14 @@ CASES = {
     "frictionless, fixed cell": (ContactLaw(friction=0.0), FIXED, "float64"),
     "friction, contact dashpot": (ContactLaw(dashpot=0.1), PRESSED, "float64"),
     "friction, float32": (ContactLaw(), PRESSED, "float32"),
-}
+    "elastic spheres, pressure control": (
+        ContactLaw(contact=Hertz()), Drive(DELTA**0.75, DELTA**1.5), "float64",
+    ),
+}  # fmt: skip
+SCENES = {
+    "rough": Scene(GRAINS, DELTA), "smooth": Scene(GRAINS, DELTA, friction=0.0),
+    "spheres": Scene(GRAINS, DELTA, contact="hertz"),
+}  # fmt: skip
 
 
 def microseconds(work: Callable[[], object], times: int) -> float:
@@ -49,14 +58,22 @@ def microseconds(work: Callable[[], object], times: int) -> float:
 
 def at_rest(packing: Packing) -> State:
     """The packing with its springs."""
-    history = History(packing.pairs, packing.images, packing.tangential_forces / 0.5)
+    k_t = packing.law.tangential_stiffness(packing.overlaps)
+    history = History(packing.pairs, packing.images, packing.tangential_forces / k_t)
     return State(packing.positions, packing.radii, cell=packing.cell, history=history)
 
 
-def steps(packings: dict[bool, Packing], backends: list[str]) -> dict[str, dict[str, list[float]]]:
+def scene_of(law: ContactLaw) -> str:
+    """The name of the scene whose packing the case moves."""
+    if law.linear is None:
+        return "spheres"
+    return "rough" if law.friction else "smooth"
+
+
+def steps(packings: dict[str, Packing], backends: list[str]) -> dict[str, dict[str, list[float]]]:
     """Time per step of every backend and case, several times over, all interleaved."""
     states = {
-        (backend, name): at_rest(packings[law.friction > 0])
+        (backend, name): at_rest(packings[scene_of(law)])
         for backend in backends
         for name, (law, _, _) in CASES.items()
     }
@@ -100,10 +117,13 @@ def rotation(state: State) -> list[float]:
 
 def main() -> None:
     """Print one table, in Markdown."""
-    packings = {f: relax(Scene(GRAINS, DELTA, friction=0.3 * f), 1) for f in (True, False)}
+    packings = {name: relax(scene, 1) for name, scene in SCENES.items()}
     backends = ["numpy"] + ["numba"] * (find_spec("numba") is not None)
-    rough, smooth = (len(packings[f].pairs) for f in (True, False))
-    print(f"N = {GRAINS}, {rough} contacts ({smooth} frictionless): median (min–max) of {REPEATS}")
+    rough, smooth, spheres = (len(packings[name].pairs) for name in SCENES)
+    print(
+        f"N = {GRAINS}, {rough} contacts ({smooth} frictionless, {spheres} of elastic spheres): "
+        f"median (min–max) of {REPEATS}"
+    )
     print("\n| backend | physics | µs per step | over the first, of the same repeat |")
     print("|---|---|---|---|")
 
@@ -117,7 +137,7 @@ def main() -> None:
         for name, times in spent.items():
             show(backend, name, times, reference)
         if backend == "numpy":
-            turning = rotation(at_rest(packings[True]))
+            turning = rotation(at_rest(packings["rough"]))
             show(backend, "of friction: rotation", turning, reference)
             rest = np.subtract(reference, spent["frictionless, pressure control"])
             show(backend, "of friction: history", list(rest - turning), reference)

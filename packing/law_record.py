@@ -1,7 +1,7 @@
 """What a packing records of the contact law that it was made with: its name and its numbers.
 
-Laws of `packing.contact_law` are found again by their names; those of others are not imported on the word of
-a file.
+Laws of `packing.contact_law` are found again by their names; those of others are not imported on
+the word of a file.
 """
 
 from __future__ import annotations

@@ -39,6 +39,7 @@ Of docs/trade.md:
 dem_trade     what each setting of the DEM costs and what it changes
 same_packing  whether Newton's method ends in the same packing whenever time steps stop
 same_statistics  whether Z, φ and P(f) are those that time steps alone would reach
+hertz         packings of elastic spheres: rest, prefactor, and the cost of reading them as linear
 ramps         pressure up and down again
 ramp_rates    what the rate of a ramp changes
 continuation  packings continued by Newton's method against integrated ones

@@ -24,6 +24,7 @@ from studies.packings import (
     anisotropy,
     continuation,
     dem_trade,
+    hertz,
     ramps,
     same_packing,
     same_statistics,
@@ -81,6 +82,13 @@ def _ensembles(run: Run) -> None:
     run.write("same_statistics", table)
 
 
+def _spheres(run: Run) -> None:
+    grains, packings, deltas = (300, 8, 6) if run.full else (100, 3, 4)
+    table = hertz.compute(grains, packings, hertz.DELTAS[:deltas])
+    run.keep("hertz", hertz.text(table))
+    run.write("hertz", table, grains=grains, noise_seed=SEED)
+
+
 def _pressures(run: Run) -> None:
     with run.pool() as pool:
         table = ramps.compute(pool, 1000 if run.full else 300, range(1, 9))
@@ -131,6 +139,6 @@ STUDIES: dict[str, Study] = {
     "stiffness": _lines("stiffness", stiffness.lines),
     "million_grains": _million,
     "dem_trade": _settings, "same_packing": _resting, "same_statistics": _ensembles,
-    "ramps": _pressures, "ramp_rates": _paces,
+    "hertz": _spheres, "ramps": _pressures, "ramp_rates": _paces,
     "continuation": _continued, "rounding": _rounded, "floor": _no_noise,
 }  # fmt: skip

@@ -29,8 +29,9 @@ PATIENCE, PATIENCE_AT_ROUND_OFF = 8, 2
 UNBALANCED = 1e-6
 #: Progress: the worst residual halves, or the number of unbalanced grains falls to this share.
 FEWER = 0.7
-#: A longer move (mean diameters) means that the tangent is singular: not near rest.
-LONGEST_MOVE = 0.2
+#: A longer move (mean diameters) means that the tangent is singular: not near rest.  The moves of
+#: long waves grow with the cell: in cells wider than so many diameters a move may be longer.
+LONGEST_MOVE, WIDE = 0.2, 350.0
 #: Diagonal shift of the tangent, in κ, per residual/p of the grains within so many contacts.  It
 #: vanishes as Newton converges; where nothing holds a group of grains it lets them move by ~ Δ,
 #: off their contacts, and no further, and all others go on at full speed.
@@ -76,6 +77,7 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
     Ends at a residual of ``floor``, or when it stalls below ``good``; stalled above: PolishFailed.
     """
     pressure = balance.pressure
+    longest = LONGEST_MOVE * max(1.0, float(balance.near.sides.max()) / WIDE)
     y = np.zeros(3 * balance.count + 1)
     trial = kept = balance.trial(y)
     best = lowest = fewest = np.inf
@@ -98,7 +100,7 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
         move = _newton_step(balance, trial, np.maximum(PIN, SHIFT * _around(trial, grains)))(
             residual
         )
-        if not np.abs(move).max() < LONGEST_MOVE:  # also when it is NaN
+        if not np.abs(move).max() < longest:  # also when it is NaN
             raise PolishFailed(f"a Newton step of {np.abs(move).max():.3g} ⟨σ⟩", iterations)
         y = y + move
         trial = balance.trial(y)

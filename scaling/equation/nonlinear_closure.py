@@ -1,15 +1,19 @@
-"""Eq. 1 for a contact law that is not linear, by Newton's method:
+"""Eq. 1 for a contact law that is not linear, by Newton's method in the overlaps:
 
-    min |M f + F_ext|² + κ̄² |Q|δ(f_n)⟩ - (Q|σ⟩ - Λ)|²
+    min |M f + F_ext|² + κ̄² |Q|δ⟩ - (Q|σ⟩ - Λ)|²   over δ and f_t ,     f_n = f(δ)
 
-Each step is Eq. 1 with the compliance 1/slope of every contact as it is,
+Each step is Eq. 1 with the slope of every contact as it is,
 
-    [ M ; κ̄ (Q diag(1/slope), 0) ] d = -( M f + F_ext ; κ̄ (Q|δ(f_n)⟩ - (Q|σ⟩ - Λ)) )
+    [ M_n diag(f'/κ̄)  M_t ; Q  0 ] (κ̄ dδ ; df_t) = -( M f + F_ext ; κ̄ (Q|δ⟩ - (Q|σ⟩ - Λ)) )
 
-from a flat start, halved while it does not bring the residual down. κ̄ is the mean slope at the
-forces, as for stiffnesses per contact: it weighs closure against balance where data are noisy, and
-drops out where they are exact. Forces are given out if the step that the residual still asks for
-is rounding beside them.
+with a row √(M_nᵀ(M f + F_ext) f'')/κ̄ more for each contact where that is real: what the law bends
+counts where noise leaves forces unbalanced. Steps begin from several places
+(`scaling.equation.newton_starts`), halved while it does not bring the residual
+down. In the overlaps closure is linear, and contacts that open, where 1/f' diverges, do no harm.
+κ̄ is the mean slope at the forces, as for stiffnesses per contact: it weighs closure against
+balance where data are noisy, and drops out where they are exact. Forces are given out if the step
+that the residual still asks for is rounding beside them, and if two starts at least end in them
+and none anywhere else.
 """
 
 from __future__ import annotations
@@ -22,15 +26,18 @@ from packing.contact_law import ContactLaw
 from scaling.algebra.evidence import Solved
 from scaling.algebra.least_squares import LeastSquares
 from scaling.equation.force_equation import ForceEquation
+from scaling.equation.newton_starts import newton_starts
 
 STEPS = 100
 CONVERGED = 1e-10
 """Step that is left, relative to the forces."""
 _SMALL = 1e-8
 _UNSEEN = 1e-6
+_NEAR = 1e-4
+"""Of an overlap, for a difference."""
 _HALVINGS = 30
-_SOFTEST = 1e-8
-"""Of the mean slope: a contact that is softer, as f_n → 0 of Hertz, is stepped as if it had it."""
+AGREED = 1e-6
+"""Relative difference of the forces that two starts may end in."""
 
 
 def solve_nonlinear(
@@ -39,53 +46,87 @@ def solve_nonlinear(
     """(f with the estimate of its error, the residual of all rows, forces).
 
     ValueError: a tangent equation without a unique solution; RuntimeError: no convergence, with
-    the step that is left.
+    the step that is left, or starts that end in different forces.
     """
-    c, sums = equation.network.contacts, equation.overlap_sums()
-    b, f = equation.balance_rhs(), np.zeros(equation.unknowns)
-    f[:c] = law.force(_start(equation, law, sums))
+    sums = equation.overlap_sums()
+    ends: dict[str, tuple[Solved, Floats]] = {}
+    failed: RuntimeError | None = None
+    for name, start in newton_starts(equation, law, sums).items():
+        try:
+            ends[name] = _newton(equation, law, sums, start, solver, tol)
+        except RuntimeError as why:
+            failed = why
+    if len(ends) < 2 and failed is not None:
+        raise failed
+    (first, found), *others = ends.items()
+    for name, (other, _) in others:
+        size = float(np.linalg.norm(found[0].values)) or 1.0
+        apart = float(np.linalg.norm(other.values - found[0].values)) / size
+        if not apart <= AGREED + found[0].error + other.error:
+            raise RuntimeError(
+                f"the GPPSZ equation with the law {type(law).__name__} has several solutions: "
+                f"from the starts {first!r} and {name!r} Newton's method ends in forces that "
+                f"differ by {apart:.1e} of themselves"
+            )
+    return found
 
-    def residual(f: Floats, κ: float) -> Floats:
-        closing = κ * (equation.Q @ law.overlap(f[:c]) - sums)
-        return np.concatenate([equation.M @ f - b, closing])
+
+def _newton(
+    equation: ForceEquation, law: ContactLaw, sums: Floats, start: Floats, solver: str,
+    tol: float | None,
+) -> tuple[Solved, Floats]:  # fmt: skip
+    """From the normal forces `start`."""
+    c, b = equation.network.contacts, equation.balance_rhs()
+    δ, f_t = law.overlap(start), np.zeros(equation.unknowns - len(start))
+
+    def forces(δ: Floats, f_t: Floats) -> Floats:
+        return np.concatenate([law.force(δ), f_t])
+
+    def residual(δ: Floats, f_t: Floats, κ: float) -> Floats:
+        closing = κ * (equation.Q @ δ - sums)
+        return np.concatenate([equation.M @ forces(δ, f_t) - b, closing])
 
     previous = size = np.inf
     for _ in range(STEPS):
-        slopes = law.slope(law.overlap(f[:c]))
-        κ = float(np.mean(slopes))
-        left = residual(f, κ)
-        step = _tangent(equation, slopes, κ).solved(-left, solver, tol)
-        size = float(np.linalg.norm(step.values)) / (float(np.linalg.norm(f)) or 1.0)
+        slopes = law.slope(δ)
+        κ, f = float(np.mean(slopes)), forces(δ, f_t)
+        left = residual(δ, f_t, κ)
+        pulled = equation.M[:, :c].T @ left[: len(b)]
+        bends = np.sqrt(np.maximum(pulled * _curvature(law, δ), 0.0)) / κ
+        rest = np.concatenate([-left, np.zeros(c)])
+        step = _tangent(equation, slopes / κ, bends).solved(rest, solver, tol)
+        d, d_t = step.values[:c] / κ, step.values[c:]
+        change = float(np.hypot(np.linalg.norm(slopes * d), np.linalg.norm(d_t)))
+        size = change / (float(np.linalg.norm(f)) or 1.0)
         # Done when the step is rounding, or no longer shrinks because it is.
         if size <= CONVERGED or (size <= _SMALL and size > 0.5 * previous):
-            f = f + step.values
-            return Solved(f, size + step.error, step.solver), residual(f, κ)
+            δ, f_t = δ + d, f_t + d_t
+            return Solved(forces(δ, f_t), size + step.error, step.solver), residual(δ, f_t, κ)
         previous, share = size, 1.0
         # Of small steps, whose square is rounding, the residual says nothing.
         for _ in range(_HALVINGS if size > _UNSEEN else 0):
-            if np.linalg.norm(residual(f + share * step.values, κ)) < np.linalg.norm(left):
+            after = residual(δ + share * d, f_t + share * d_t, κ)
+            if np.linalg.norm(after) < np.linalg.norm(left):
                 break
             share /= 2
-        f = f + share * step.values
+        δ, f_t = δ + share * d, f_t + share * d_t
     raise RuntimeError(
         f"the GPPSZ equation with the law {type(law).__name__}: after {STEPS} steps of Newton's "
         f"method forces still change by {size:.1e} of themselves"
     )
 
 
-def _start(equation: ForceEquation, law: ContactLaw, sums: Floats) -> Floats:
-    """(c,) one overlap for all contacts, of the size that loops and loads ask for."""
-    Q, b = equation.Q, equation.balance_rhs()
-    weight = float(np.sqrt(Q.multiply(Q).sum()))
-    of_loops = float(np.linalg.norm(sums)) / weight if weight else 0.0
-    c = equation.network.contacts
-    load = np.full(c, float(np.linalg.norm(b)) / np.sqrt(c))
-    return np.maximum(of_loops, law.overlap(load))
-
-
-def _tangent(equation: ForceEquation, slopes: Floats, κ: float) -> LeastSquares:
-    """Eq. 1 with these slopes of the law."""
-    rows = equation.Q @ diags_array(κ / np.maximum(slopes, _SOFTEST * κ))
-    missing = csr_array((rows.shape[0], equation.unknowns - rows.shape[1]))
-    G = vstack([equation.M, hstack([rows, missing])])
+def _tangent(equation: ForceEquation, slopes: Floats, bends: Floats) -> LeastSquares:
+    """Eq. 1 in κ̄ δ and f_t, with these slopes of the law over κ̄, and what it bends."""
+    M, Q, c = equation.M, equation.Q, len(slopes)
+    above = hstack([M[:, :c] @ diags_array(slopes), M[:, c:]])
+    lengths = vstack([Q, diags_array(bends)])
+    below = hstack([lengths, csr_array((lengths.shape[0], M.shape[1] - c))])
+    G = vstack([above, below])
     return LeastSquares(csr_array(G), "the GPPSZ equation at the slopes of the contact law")
+
+
+def _curvature(law: ContactLaw, δ: Floats) -> Floats:
+    """f''(δ), by differences: it changes the way, not where it ends."""
+    h = _NEAR * abs(δ) + _NEAR**2 * float(np.sqrt(np.mean(δ**2)))
+    return (law.slope(δ + h) - law.slope(δ - h)) / (2 * h)
