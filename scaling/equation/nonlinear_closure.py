@@ -53,7 +53,7 @@ def solve_nonlinear(
     failed: RuntimeError | None = None
     for name, start in newton_starts(equation, law, sums).items():
         try:
-            ends[name] = _newton(equation, law, sums, start, solver, tol)
+            ends[name] = from_start(equation, law, sums, start, solver, tol)
         except RuntimeError as why:
             failed = why
     if len(ends) < 2 and failed is not None:
@@ -71,7 +71,7 @@ def solve_nonlinear(
     return found
 
 
-def _newton(
+def from_start(
     equation: ForceEquation, law: ContactLaw, sums: Floats, start: Floats, solver: str,
     tol: float | None,
 ) -> tuple[Solved, Floats]:  # fmt: skip
