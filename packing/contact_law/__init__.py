@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arguments.numbers import positive_number
+from packing.contact_law.between import law_between
 from packing.contact_law.contact_law import ContactLaw
 from packing.contact_law.hertz import Hertz
 from packing.contact_law.linear import Linear
 from packing.contact_law.per_contact import PerContact
 
-__all__ = ["ContactLaw", "Hertz", "Linear", "PerContact", "is_law", "law_of"]
+__all__ = ["ContactLaw", "Hertz", "Linear", "PerContact", "is_law", "law_between", "law_of"]
 
 _METHODS = ("force", "overlap", "slope", "tangential_stiffness", "delta")
 

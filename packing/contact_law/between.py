@@ -17,7 +17,27 @@ def effective_radii(radii: Floats, pairs: Integers) -> Floats:
 def law_between(law: ContactLaw, radii: Floats, pairs: Integers) -> ContactLaw:
     """The law of these contacts; that of all, if it does not depend on the sizes of grains.
 
-    `radii` (N,) are in mean diameters.
+    Parameters
+    ----------
+    law : ContactLaw
+        Of two mean grains, `Hertz()` say
+    radii : (N,) array
+        Radii of the grains
+    pairs : (c, 2) array of int
+        Grains of each contact
+
+    Returns
+    -------
+    ContactLaw
+        With (c,) arrays in and out.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from packing.contact_law import Hertz, law_between
+    >>> law = law_between(Hertz(), np.array([0.5, 0.5, 2.0]), np.array([[0, 1], [0, 2]]))
+    >>> law.force(np.array([0.01, 0.01])).round(6).tolist()
+    [0.001, 0.001265]
     """
     of_contacts = getattr(law, "of_contacts", None)
     return law if of_contacts is None else of_contacts(effective_radii(radii, pairs))

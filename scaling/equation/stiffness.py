@@ -5,6 +5,7 @@ Of a law that is not linear it makes neither; that one is solved by Newton's met
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arguments.arrays import Floats
@@ -21,6 +22,7 @@ def law_and_compliance(
     """
     law = law_of(stiffness)
     if not isinstance(law, PerContact):
+        _refuse_other_contacts(law, contacts)
         return law, None
     κ = law.stiffness
     if κ.shape != (contacts,):
@@ -30,6 +32,19 @@ def law_and_compliance(
     if (κ == κ[0]).all():
         return Linear(float(κ[0]), law.stiffness_ratio), None
     return law, κ.mean() / κ
+
+
+def _refuse_other_contacts(law: ContactLaw, contacts: int) -> None:
+    """A law made for other contacts, as that of a packing for a part of it."""
+    try:
+        fits = np.shape(law.force(np.zeros(contacts))) == (contacts,)
+    except ValueError:  # arrays that do not go together
+        fits = False
+    if not fits:
+        raise ValueError(
+            f"the law {type(law).__name__} is not one of {contacts} contacts: make it for these, "
+            "packing.contact_law.law_between(law, radii, pairs)"
+        )
 
 
 def is_linear(law: ContactLaw | None) -> bool:

@@ -12,7 +12,7 @@ from dem.balance.tangent import Equilibrium
 from dem.motion.backends import kernel_of
 from dem.motion.neighbours import find_neighbours
 from dem.motion.views import motion_of
-from packing.contact_law import Hertz, Linear
+from packing.contact_law import Hertz, Linear, law_between
 from scaling import ContactNetwork, amplification_of, collapse, reconstruct, relative_error
 from tests.dem.gases import dense_gas, pressed
 from tests.dem.protocols.test_relax import balance
@@ -168,3 +168,16 @@ def test_the_prefactor_is_that_of_the_law():
 
     wrong = collapse([Misread()], [1e-6], np.random.default_rng(0), draws=2)
     assert wrong["error"].min() > 1e4 * rows["error"].max()
+
+
+def test_a_part_of_a_packing_has_the_law_of_its_contacts():
+    """The law of all contacts is refused for a part; made for the part, its forces come out."""
+    p = relax(Scene(100, 1e-3, contact="hertz"), 1, progress=False)
+    n = ContactNetwork.from_packing(p)
+    middle = np.linalg.norm(p.positions - np.diag(p.cell) / 2, axis=1) < 3
+    part = n.inside(middle, p.normal_forces, p.tangential_forces)
+    with pytest.raises(ValueError, match=rf"is not one of {part.contacts} contacts"):
+        reconstruct(part, p.law)
+    found = reconstruct(part, law_between(Hertz(), part.radii, part.pairs))
+    true = p.normal_forces[part.contact_index]
+    assert relative_error(found.normal, true, frictional=False) < 1e-8
