@@ -14,10 +14,13 @@ from studies.packings import continuation, ramps
 from tests.conftest import packing
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = [ROOT / "docs" / name for name in ("trade.md", "ramps.md", "speed.md", "limits.md")]
+PAGES = [
+    ROOT / "docs" / name
+    for name in ("trade.md", "ramps.md", "speed.md", "limits.md", "physics.md")
+]
 SHOWN = (
     "step_cost", "size", "numbering", "precision", "polish_cost", "ramp_rates", "continuation",
-    "large_packings", "cost_model", "error_theory", "same_statistics",
+    "large_packings", "cost_model", "error_theory", "same_statistics", "hertz", "lammps_hertz",
 )  # fmt: skip
 
 
