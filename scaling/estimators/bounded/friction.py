@@ -101,11 +101,14 @@ def combined(told: Datum, found: FrictionFound) -> Datum:
     """The told value and the one found, each with the weight of its error bar.
 
     The error bar of the one found is that towards the value told: below it forces are hardly
-    feasible, above it they are."""
+    feasible, above it they are. Where they are not feasible at all just below, it is the least."""
     end = found.low if told.value < found.value else found.high
     error = max(abs(end - found.value), _CLOSE * found.value)
     weights = np.array([told.deviation**-2.0, error**-2.0])
     value = float(weights @ [told.value, found.value] / weights.sum())
+    below = found.profile[found.profile[:, 0] < found.value]
+    if len(below) and not np.isfinite(below[-1, 1]):
+        value = max(value, found.value)
     return Datum(value, float(weights.sum() ** -0.5))
 
 

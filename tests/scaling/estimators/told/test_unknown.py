@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -101,6 +103,9 @@ def test_a_friction_with_an_error_bar_lies_between_told_and_found():
     same = combined(Datum(0.36, 0.06), found)
     assert same.value == pytest.approx(0.33)
     assert same.deviation == pytest.approx(0.06 / np.sqrt(2))
+    edge = replace(found, profile=np.array([(0.29, np.inf, 0.0), (0.3, 2.0, 3.0)]))
+    assert combined(Datum(0.2, 0.1), edge).value == 0.3  # nothing is feasible below
+    assert combined(Datum(0.2, 0.1), found).value < 0.3
 
 
 def test_friction_told_with_an_error_bar():
