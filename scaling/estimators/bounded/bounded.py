@@ -21,6 +21,7 @@ from packing.arguments.numbers import (
     number_from_zero,
     real_number,
     seed_number,
+    shown,
     whole_number,
 )
 from scaling.algebra.evidence import Solved
@@ -39,7 +40,7 @@ from scaling.estimators.reconstruction import (
     reconstruction,
     unbalanced,
 )
-from scaling.estimators.told.datum import Told, datum, is_unknown
+from scaling.estimators.told.datum import Datum, Told, datum, is_unknown
 from scaling.estimators.told.mean_stress import mean_stress
 from scaling.estimators.told.strength import likely_strength
 from scaling.estimators.transverse import refuse_unused_friction
@@ -55,8 +56,8 @@ class Bounded(Estimator):
     ----------
     friction : float, (float, float) or str
         μ >= 0, the limit that no |f_t|/f_n exceeds; a value with its standard deviation, or
-        "unknown", which find the limit from contacts that slide (ten solves). Not needed, and 0,
-        where there are no tangential forces
+        "unknown", which find the limit from contacts that slide (twenty solves). Not needed, and
+        0, where there are no tangential forces
     pressure : float, (float, float) or str
         p > 0, force per length, of a periodic cell; not used if open. Exact, with its standard
         deviation, or "unknown"
@@ -89,7 +90,7 @@ class Bounded(Estimator):
     -----
     min |y|²/ξ² + Σ_e [ (f_n - f̄)²/(a f̄)² + f_t²/(b f̄)² ] over forces and noise y, a convex
     quadratic program, solved by clarabel. A noise found that is improbable for the strength told
-    is an ImplausibleNoiseWarning. What is told must be true: docs/estimators.md.
+    is an ImplausibleNoiseWarning. What is told as exact must be true: docs/wrong_knowledge.md.
 
     Examples
     --------
@@ -138,21 +139,30 @@ class Bounded(Estimator):
 
     @property
     def _friction_exact(self) -> bool:
-        told = 0.0 if self.friction is None else self.friction
-        found = datum("friction", told)
-        return found is not None and found.exact
+        return self.friction is None or (self._told_friction or Datum(0.0, 1.0)).exact
+
+    @property
+    def _told_friction(self) -> Datum | None:
+        """The value and error bar told; None if it is unknown, or not needed."""
+        if self.friction is None:
+            return None
+        return datum("friction", self.friction, number_from_zero)
 
     def settle(self, equation: ForceEquation) -> tuple[Bounded, Settled]:
         """The same with what it does not know found, and what was found."""
         if self.decided:
             return self, Settled()
 
+        if not self._friction_exact and not equation.frictional:
+            raise ValueError(
+                f"friction = {shown(self.friction)} is not used without tangential forces"
+            )
+
         def solve(xi: float | None, friction: float | None) -> Maximum:
             return bounded_maximum(self._at(xi, friction).posterior(equation), False)
 
         start = likely_strength(equation, self.noise) if is_unknown(self.xi) else None
-        told = None if self.friction is None else datum("friction", self.friction)
-        found = settled(solve, start, told, self._friction_exact)
+        found = settled(solve, start, self._told_friction, self._friction_exact)
         ξ = None if found.strength is None else found.strength.xi
         return self._at(ξ, None if found.friction is None else found.friction.value), found
 
@@ -171,8 +181,8 @@ class Bounded(Estimator):
         """What is known of the forces of `equation`, before any solver is asked."""
         if not self.decided:
             return self.settle(equation)[0].posterior(equation)
-        μ = None if self.friction is None else self._at(None, None).friction
-        assert μ is None or isinstance(μ, float | int)
+        told_friction = self._told_friction
+        μ = None if told_friction is None else told_friction.value
         refuse_unused_friction(equation, μ)
         refuse_no_noise(self)
         self.stiffness(equation)

@@ -127,3 +127,20 @@ def test_a_network_that_feels_no_friction_is_refused():
     square = ContactNetwork(x, np.full(4, 0.5), [(0, 1), (0, 3), (1, 2), (2, 3)], external=F)
     with pytest.raises(ValueError, match="do not feel a limit"):
         reconstruct(square, 1.0, "bounded", xi=1e-3, friction="unknown")
+
+
+def test_friction_of_a_network_without_is_refused():
+    p, noisy = scene()
+    for μ in ("unknown", (0.3, 0.1)):
+        with pytest.raises(ValueError, match="is not used without tangential forces"):
+            solved(noisy, p, "bounded", xi=XI, friction=μ, frictional=False)
+
+
+def test_numbers_of_any_kind_are_numbers():
+    p, noisy = scene()
+    plain = solved(noisy, p, "bounded", xi=XI)
+    told = solved(
+        noisy, p, "bounded", xi=np.float64(XI), friction=np.float64(p.friction),
+        pressure=np.array(p.pressure),
+    )  # fmt: skip
+    assert np.array_equal(told.forces, plain.forces)
