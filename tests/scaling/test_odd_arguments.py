@@ -23,6 +23,9 @@ NEITHER = [
 ]  # fmt: skip
 """Neither numbers nor arrays of numbers."""
 NO_NUMBER = [*NEITHER, np.nan, [], np.ma.masked, (1, 2), np.ones(3)]
+NO_DATUM = [*NEITHER, np.nan, [], np.ma.masked, (1, 2, 3), (1, -2), (1, "x"), np.ones(3)]
+"""Of what may have an error bar: (1, 2) is 1 ± 2."""
+DATA = ("pressure", "friction")
 ARRAYS = ("values", "sample", "mask", "low", "high", "true", "normal_forces", "tangential_forces")
 
 
@@ -82,7 +85,10 @@ def test_odd_arguments_are_named(name):
     call, right = calls()[name]
     call(**right)
     for argument in right:
-        for odd in NEITHER if argument in ARRAYS else NO_NUMBER:
+        odds = NEITHER if argument in ARRAYS else NO_NUMBER
+        if name in ("bounded", "posterior") and argument in DATA:
+            odds = NO_DATUM
+        for odd in odds:
             with pytest.raises(ValueError, match=argument):
                 call(**right | {argument: odd})
 
