@@ -17,9 +17,11 @@ import numpy as np
 
 from packing.arguments.arrays import Floats, Integers
 from packing.arguments.immutable import Immutable
-from packing.boundary import Boundary, boundary_of
+from packing.boundary import Boundary, Walls, boundary_of
+from packing.boundary.walls import FREE
 from packing.contact_law import ContactLaw, Linear
 from packing.contact_law.between import law_between
+from packing.contacts.ends import contact_counts, size_sums
 from packing.doubledouble import DoubleDouble, hypot
 from packing.law_record import recorded_law
 from packing.provenance import Provenance
@@ -45,6 +47,7 @@ class PackingData(Immutable):
     positions_low: Floats | None = None
     radii_low: Floats | None = None
     cell_low: Floats | None = None
+    walls: Walls | None = None
 
     @property
     def info(self) -> dict[str, Any]:
@@ -60,8 +63,8 @@ class PackingData(Immutable):
 
     @property
     def boundary(self) -> Boundary:
-        """Open, or the periodic cell."""
-        return boundary_of(self.cell)
+        """Open, or the periodic cell; with the walls, if there are any."""
+        return boundary_of(self.cell, self.walls)
 
     @property
     def delta(self) -> float:
@@ -100,7 +103,7 @@ class PackingData(Immutable):
         """δ = R_i + R_j - r ``(c,)``; without low parts it loses log10(1/Δ) digits."""
         i, j = self.pairs.T
         if self.positions_low is None and self.radii_low is None and self.cell_low is None:
-            return self.radii[i] + self.radii[j] - np.abs(self.branches)
+            return size_sums(self.radii, self.pairs) - np.abs(self.branches)
         x = DoubleDouble.of(self.positions, self.positions_low)
         radii = DoubleDouble.of(self.radii, self.radii_low)
         d = x[j] - x[i]
@@ -113,30 +116,60 @@ class PackingData(Immutable):
     @property
     def rattlers(self) -> np.ndarray:
         """Grains without a force-bearing contact ``(N,)`` bool."""
-        return np.bincount(self.pairs.ravel(), minlength=len(self.radii)) == 0
+        return contact_counts(self.pairs, len(self.radii)) == 0
 
     @property
     def coordination(self) -> float:
-        """Z = 2c/(grains that bear forces)."""
-        return 2 * len(self.pairs) / max(1, int(np.sum(~self.rattlers)))
+        """Z: contacts of a grain that bears forces and is glued to no wall, mean."""
+        counts = contact_counts(self.pairs, len(self.radii))
+        if self.walls is not None:
+            counts = counts[self.walls.glued_grains(len(self.radii)) == FREE]
+        return float(counts.sum()) / max(1, int((counts > 0).sum()))
 
     @property
     def solid_fraction(self) -> float:
-        """Σ π R² / cell area (overlaps counted twice)."""
-        if self.cell is None:
+        """Σ π R² / area of the cell, or between the walls (overlaps counted twice)."""
+        if self.boundary.area is None:
             raise ValueError("an open packing has no cell to fill")
-        return float(np.pi * np.sum(self.radii**2) / abs(np.linalg.det(self.cell)))
+        return float(np.pi * np.sum(self.radii**2) / self.boundary.area)
 
     def residuals(self) -> Floats:
-        """Per grain the larger of |Σ force| and |Σ torque|/R of the stored forces, in p⟨σ⟩."""
+        """Per grain the larger of |Σ force| and |Σ torque|/R of the stored forces, in p⟨σ⟩.
+
+        Of grains glued to a wall 0: the wall bears what they do.
+        """
+        count = len(self.radii)
+        net, twist = self._net()
+        found = np.maximum(np.abs(net), np.abs(twist)) / (self.pressure * 2 * self.radii.mean())
+        if self.walls is not None:
+            found = np.where(self.walls.glued_grains(count) == FREE, found[:count], 0.0)
+        return found
+
+    def wall_forces(self) -> np.ndarray:
+        """(w,) force of the grains on each wall, and on what is glued to it, as x + iy.
+
+        ValueError: a packing without walls.
+        """
+        if self.walls is None:
+            raise ValueError("the packing has no walls")
+        count, net = len(self.radii), self._net()[0]
+        onto = net[count:].copy()
+        glued = self.walls.glued_grains(count)
+        stuck = np.flatnonzero(glued != FREE)
+        np.add.at(onto, glued[stuck], net[stuck])
+        return onto
+
+    def _net(self) -> tuple[np.ndarray, Floats]:
+        """Net force (complex) and torque over R on grains, then walls."""
         i, j = self.pairs.T
         d = self.branches
         pull = (-self.normal_forces + 1j * self.tangential_forces) * d / np.abs(d)
-        net = self.external[:, 0] + 1j * self.external[:, 1]
-        twist = self.external[:, 2] / self.radii
+        bodies = len(self.radii) + (0 if self.walls is None else len(self.walls))
+        net, twist = np.zeros(bodies, complex), np.zeros(bodies)
+        net[: len(self.radii)] = self.external[:, 0] + 1j * self.external[:, 1]
+        twist[: len(self.radii)] = self.external[:, 2] / self.radii
         np.add.at(net, i, pull)
         np.add.at(net, j, -pull)
         np.add.at(twist, i, self.tangential_forces)
         np.add.at(twist, j, self.tangential_forces)
-        scale = self.pressure * 2 * self.radii.mean()
-        return np.maximum(np.abs(net), np.abs(twist)) / scale
+        return net, np.where(np.arange(bodies) < len(self.radii), twist, 0.0)

@@ -9,6 +9,7 @@ from typing import Any
 
 from packing.arguments.arrays import frozen, real_array, whole_array
 from packing.arguments.numbers import file_path, instance, number_from_zero, positive_number
+from packing.boundary.walls import Walls, walls_of
 from packing.files.npz import read_record, write_record
 from packing.packing_data import PackingData
 from packing.provenance import Provenance
@@ -50,6 +51,8 @@ class Packing(PackingData):
     positions_low, radii_low, cell_low : arrays, optional
         What the doubles leave out (value = high + low, |low| no more than an ulp of high); with
         them ``overlaps`` are good to 16 digits at any Δ.
+    walls : Walls, optional
+        Walls around it; contact (i, N + w) is that of grain i with wall w, after all others.
 
     Raises
     ------
@@ -101,14 +104,19 @@ class Packing(PackingData):
             arrays[name] = real_array(name, getattr(self, name), shape)
         for name, array in arrays.items():
             object.__setattr__(self, name, frozen(array))
+        self._take_numbers()
+        instance("provenance", self.provenance, Provenance)
+        if self.walls is not None:
+            instance("walls", self.walls, Walls).glued_grains(count)
+        check_packing(self)
+
+    def _take_numbers(self) -> None:
         for name in ("stiffness", "pressure"):
             object.__setattr__(self, name, positive_number(name, getattr(self, name)))
         object.__setattr__(self, "friction", number_from_zero("friction", self.friction))
         if self.stiffness_ratio is not None:
             ratio = positive_number("stiffness_ratio", self.stiffness_ratio)
             object.__setattr__(self, "stiffness_ratio", ratio)
-        instance("provenance", self.provenance, Provenance)
-        check_packing(self)
 
     def noted(self, **facts: Any) -> Packing:
         """The packing with more on record: fields of its provenance, or notes; arrays shared."""
@@ -122,8 +130,10 @@ class Packing(PackingData):
         ValueError for a path that can be no file.
         """
         target = file_path("path", path)
-        arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "provenance"}
+        others = ("provenance", "walls")
+        arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in others}
         there = {name: array for name, array in arrays.items() if array is not None}
+        there |= {} if self.walls is None else self.walls.arrays()
         write_record(target, there, self.provenance.plain())
 
     @classmethod
@@ -136,6 +146,8 @@ class Packing(PackingData):
         source = file_path("path", path)
         arrays, info = read_record(source)
         try:
+            arrays, walls = walls_of(arrays)
+            arrays["walls"] = walls
             return cls(**{"cell": None} | arrays, provenance=Provenance.of_plain(info))
         except ValueError as error:
             raise ValueError(f"{source} is not a packing: {error}") from error

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from packing.arguments.numbers import SMALLEST
+from packing.boundary.walls import FREE, Walls
 from packing.contacts import contact_list
 from packing.doubledouble import EPS
 from packing.packing_data import PackingData
@@ -54,9 +55,27 @@ def check_low_parts(p: PackingData) -> None:
 
 def check_contacts(p: PackingData) -> None:
     """Contacts join known grains, i < j (or i = j through an image), each once."""
-    contact_list.known_grains(p.pairs, len(p.radii))
+    walls = 0 if p.walls is None else len(p.walls)
+    contact_list.contacts(p.pairs, p.images, len(p.radii), walls)
     p.boundary.refuse_images(p.images)
-    contact_list.ordered_once(p.pairs, p.images)
+    if p.walls is not None:
+        check_walls(p)
+
+
+def check_walls(p: PackingData) -> None:
+    """Low parts are not known between walls; what is glued to a wall does not touch it."""
+    assert p.walls is not None
+    for name in ("positions", "radii", "cell"):
+        if getattr(p, f"{name}_low") is not None:
+            raise ValueError(f"{name}_low is given, but between walls low parts are not known")
+    glued = p.walls.glued_grains(len(p.radii)) != FREE
+    stuck = glued[p.pairs[:, 0]] & np.append(glued, np.ones(len(p.walls), bool))[p.pairs[:, 1]]
+    if stuck.any():
+        e = int(np.argmax(stuck))
+        raise ValueError(
+            f"contact {e} {tuple(p.pairs[e].tolist())} joins what is glued to walls: it bears no "
+            "force that balance could tell"
+        )
 
 
 def check_forces(p: PackingData) -> None:
@@ -102,11 +121,26 @@ def check_forces(p: PackingData) -> None:
 
 def _check_pressure(p: PackingData) -> None:
     """In a cell the virial Σ f_n r/2A is the pressure: balance alone leaves the scale free."""
+    if p.walls is not None:
+        return _check_loads(p, p.walls)
     if p.cell is None:
-        return
+        return None
     area = abs(float(np.linalg.det(p.cell)))
     virial = float(p.normal_forces @ np.abs(p.branches)) / (2 * area)
     if not abs(virial / p.pressure - 1) <= BALANCED:
         raise ValueError(
             f"the forces carry a pressure of {virial:.4g}, not the {p.pressure:.4g} stated"
         )
+    return None
+
+
+def _check_loads(p: PackingData, walls: Walls) -> None:
+    """Walls whose load is known bear it."""
+    n = walls.normals[:, 0] + 1j * walls.normals[:, 1]
+    borne = (p.wall_forces() * n.conj()).real
+    for k in walls.known.tolist():
+        if not abs(borne[k] - walls.loads[k]) <= BALANCED * abs(walls.loads[k]):
+            raise ValueError(
+                f"the grains press on wall {k} with {borne[k]:.4g}, not the {walls.loads[k]:.4g} "
+                "of its load"
+            )

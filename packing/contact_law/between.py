@@ -9,9 +9,15 @@ from packing.contact_law.contact_law import ContactLaw
 
 
 def effective_radii(radii: Floats, pairs: Integers) -> Floats:
-    """R_i R_j/(R_i + R_j) of each contact (c,)."""
-    one, other = radii[pairs[:, 0]], radii[pairs[:, 1]]
-    return one * other / (one + other)
+    """R_i R_j/(R_i + R_j) of each contact (c,); a wall is flat: R_i there."""
+    one, inner = radii[pairs[:, 0]], pairs[:, 1] < len(radii)
+    if inner.all():
+        other = radii[pairs[:, 1]]
+        return one * other / (one + other)
+    other = radii[pairs[inner, 1]]
+    found = one.copy()
+    found[inner] *= other / (one[inner] + other)
+    return found
 
 
 def law_between(law: ContactLaw, radii: Floats, pairs: Integers) -> ContactLaw:

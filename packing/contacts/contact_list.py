@@ -70,12 +70,40 @@ def lattice(cell: ArrayLike) -> Floats:
     return array
 
 
-def contacts(pairs: Integers, images: Integers, grains: int) -> None:
+def contacts(pairs: Integers, images: Integers, grains: int, walls: int = 0) -> None:
     """Refuse unknown grains, wrong order, a grain touching itself, and duplicates."""
     if images.shape != pairs.shape:
         raise ValueError(f"images has shape {images.shape}, expected {pairs.shape} as pairs")
-    known_grains(pairs, grains)
+    if walls:
+        with_walls(pairs, images, grains, walls)
+    else:
+        known_grains(pairs, grains)
     ordered_once(pairs, images)
+
+
+def with_walls(pairs: Integers, images: Integers, grains: int, walls: int) -> None:
+    """Refuse unknown grains and walls, and contacts with walls (i, N + w) that are not the last
+    ones, or have an image."""
+    at_wall = pairs[:, 1] >= grains
+    known_grains(pairs[~at_wall], grains)
+    i, w = pairs[at_wall, 0], pairs[at_wall, 1] - grains
+    unknown = (i < 0) | (i >= grains) | (w >= walls)
+    first = int(np.argmax(at_wall)) if at_wall.any() else len(pairs)
+    if not at_wall[first:].all():
+        e = first + int(np.argmin(at_wall[first:]))
+        raise ValueError(
+            f"contact {e} {tuple(pairs[e].tolist())} of two grains comes after contact {first} "
+            f"{tuple(pairs[first].tolist())} with a wall: those with walls are the last ones"
+        )
+    if unknown.any():
+        e = first + int(np.argmax(unknown))
+        raise ValueError(
+            f"contact {e} is {tuple(pairs[e].tolist())}: that of grain i with wall w is "
+            f"(i, {grains} + w), with grains 0 ... {grains - 1} and walls 0 ... {walls - 1}"
+        )
+    if images[at_wall].any():
+        e = first + int(np.argmax(images[at_wall].any(axis=1)))
+        raise ValueError(f"contact {e} with a wall has image {images[e].tolist()}, not (0, 0)")
 
 
 def known_grains(pairs: Integers, grains: int, of: str = "") -> None:

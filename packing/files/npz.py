@@ -1,10 +1,11 @@
 """The file of a packing: an npz without pickle, with all that is needed to trust it.
 
-Format 4 holds, beside the arrays of the packing, ``format``, ``info`` (its provenance) as JSON,
-``arrays`` (the names of all of these) and ``sha256``, the checksum of all that: name, type, shape
-and bytes of each.  Format 3 had k_t/κ in ``info`` alone; formats 1 and 2 (with low parts,
-``positions_low`` ...) had neither list nor checksum; they are read as before.  An array that no
-packing has, one too few, one twice: refused.
+Format 4 holds, beside the arrays of the packing (those of walls, if it has any, are called
+``walls_normals`` and the like), ``format``, ``info`` (its provenance) as JSON, ``arrays`` (the
+names of all of these) and ``sha256``, the checksum of all that: name, type, shape and bytes.
+Format 3 had k_t/κ in ``info`` alone; formats 1 and 2 (with low parts, ``positions_low`` ...) had
+neither list nor checksum; they are read as before.  An array that no packing has, one too few,
+one twice: refused.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ _ARRAYS = (
 )  # fmt: skip
 _LOW = ("positions_low", "radii_low", "cell_low")
 _RATIO = "stiffness_ratio"
+_WALLS = ("normals", "offsets", "loads", "glued", "spaced")
 _NEEDED = (*_NUMBERS, "info", *_ARRAYS)
 #: Errors of the file system that say that this path can be no file.
 _NO_FILE = (
@@ -107,7 +109,9 @@ def _unpacked(path: Path, record: dict[str, NDArray]) -> tuple[dict[str, Any], d
     del record["format"]
     if missing := [name for name in _NEEDED if name not in record]:
         raise ValueError(f"{path} is not a whole packing: {missing[0]} is missing")
-    optional = {*_LOW, "cell", _RATIO} if number == FORMAT else {*_LOW, "cell"}
+    optional = {*_LOW, "cell"}
+    if number == FORMAT:
+        optional |= {_RATIO, *(f"walls_{name}" for name in _WALLS)}
     if foreign := sorted(set(record) - {*_NEEDED, *optional}):
         raise ValueError(f"{path} holds {foreign[0]}, which no packing has")
     if not signed and (number == _WITH_LOW) != any(name in record for name in _LOW):
