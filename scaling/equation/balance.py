@@ -6,19 +6,23 @@
 
 Torques are divided by R_i, so that each row is a force and M knows directions only. Without
 friction there are c unknowns and no torque rows. Balance knows no loops and no contact law.
+
+A wall that is free to move along its normal, or that was weighed, has one row, Σ f_n = load, with
+what acts on the grains glued to it; these have none.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, hstack, vstack
+from scipy.sparse import csr_array, hstack, vstack
 
 from packing.arguments.arrays import Floats, Integers
 from packing.arguments.immutable import Immutable, read_only
 from scaling.algebra.least_squares import LeastSquares
+from scaling.geometry.bodies import ends, pushed, weighed
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.geometry.places import contact_places
 
@@ -29,7 +33,8 @@ class Balance(Immutable):
 
     Attributes
     ----------
-    M : sparse (3N, 2c), or (2N, c) without friction; N the grains with contacts
+    M : sparse (3N + w, 2c), or (2N + w, c) without friction; N the grains with contacts, w the
+        walls whose load is known
     active : (N,) those grains
     contacts : c
     frictional : whether there are tangential forces
@@ -41,9 +46,10 @@ class Balance(Immutable):
     contacts: int
     frictional: bool
     places: Floats | None = None
+    walls: Integers = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     def __post_init__(self) -> None:
-        read_only((self.M, self.active, self.places))
+        read_only((self.M, self.active, self.places, self.walls))
 
     @cached_property
     def M_normal(self) -> csr_array:
@@ -65,7 +71,19 @@ class Balance(Immutable):
     def labels(self) -> list[tuple[str, int]]:
         """Kind and grain of every row."""
         kinds = ["force x", "force y"] + ["torque"] * self.frictional
-        return [(kind, i) for kind in kinds for i in self.active]
+        of_walls = [("wall", int(w)) for w in self.walls]
+        return [(kind, i) for kind in kinds for i in self.active] + of_walls
+
+    @property
+    def grain_of_row(self) -> Integers:
+        """The grain of every row, -1 for a wall."""
+        of_walls = np.full(len(self.walls), -1)
+        return np.concatenate([np.tile(self.active, 3 if self.frictional else 2), of_walls])
+
+    def of_grains(self, rows: Floats) -> Floats:
+        """(2 or 3, N) of rows of M: what they say of the grains."""
+        kinds = 3 if self.frictional else 2
+        return rows[: kinds * len(self.active)].reshape(kinds, -1)
 
     def rhs(self, network: ContactNetwork) -> Floats:
         """-|F_ext⟩ of `network` in the order of the rows of M, torques divided by R_i."""
@@ -73,6 +91,9 @@ class Balance(Immutable):
         columns = [-F[:, 0], -F[:, 1]]
         if self.frictional:
             columns.append(-F[:, 2] / network.radii[self.active])
+        if len(self.walls):
+            assert network.walls is not None
+            columns.append(network.walls.loads[self.walls])
         return np.concatenate(columns)
 
 
@@ -92,6 +113,7 @@ def _refuse_unsupported_loads(network: ContactNetwork, frictional: bool) -> None
     if hanging.any():
         i = int(np.argmax(hanging))
         raise ValueError(f"grain {i} has a load {network.external[i].tolist()} but no contact")
+    _refuse_unsupported_walls(network)
     if not frictional and network.external[:, 2].any():
         i = int(np.argmax(network.external[:, 2] != 0))
         raise ValueError(
@@ -100,21 +122,31 @@ def _refuse_unsupported_loads(network: ContactNetwork, frictional: bool) -> None
         )
 
 
+def _refuse_unsupported_walls(network: ContactNetwork) -> None:
+    if network.walls is None:
+        return
+    glued = network.walls.glued_grains(network.grains)
+    for w in network.walls.known.tolist():
+        touched = (network.pairs[:, 1] == network.grains + w).any()
+        if not touched and not network.degrees[glued == w].any():
+            raise ValueError(
+                f"wall {w} has a load {network.walls.loads[w]:.3g} but no contact carries it"
+            )
+
+
 def _assemble(network: ContactNetwork, frictional: bool) -> Balance:
     active, c = network.active, network.contacts
-    row_of = np.full(network.grains, -1)
-    row_of[active] = np.arange(len(active))
-    grain, contact = row_of[network.pairs.T.ravel()], np.tile(np.arange(c), 2)
-    shape = (len(active), c)
     # One grain touching its own image: both entries fall on one place, forces cancel and
     # torques double, as they should.
-    difference = csr_array((np.repeat([1.0, -1.0], c), (grain, contact)), shape=shape)
-    total = csr_array((np.ones(2 * c), (grain, contact)), shape=shape)
-    n, t = network.normals, network.tangents
-    M = vstack([-difference @ diags_array(n[:, k]) for k in (0, 1)])
+    on_grains, on_walls = pushed(network, -network.normals)
     if frictional:
-        tangential = [difference @ diags_array(t[:, k]) for k in (0, 1)]
-        M = hstack([vstack([M, csr_array(shape)]), vstack([*tangential, total])])
+        nothing = csr_array((len(active), c))
+        normal = vstack([*on_grains, nothing, on_walls])
+        on_grains, on_walls = pushed(network, network.tangents)
+        turned = ends(network, 1.0)[active]
+        M = hstack([normal, vstack([*on_grains, turned, on_walls])])
+    else:
+        M = vstack([*on_grains, on_walls])
     M = csr_array(M)
     M.eliminate_zeros()
-    return Balance(M, active, c, frictional, contact_places(network))
+    return Balance(M, active, c, frictional, contact_places(network), weighed(network))

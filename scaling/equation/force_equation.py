@@ -23,6 +23,7 @@ from packing.contact_law import ContactLaw
 from scaling.algebra.conditioning import Conditioning
 from scaling.equation.matrices import Matrices, matrices
 from scaling.equation.stiffness import is_linear, law_and_compliance, mean_stiffness
+from scaling.equation.trivial_balances import trivial_balances
 from scaling.geometry.contact_network import ContactNetwork
 
 Rows = TypeVar("Rows", Floats, csr_array)
@@ -127,7 +128,9 @@ class ForceEquation:
     def rows(self) -> NDArray:
         """Labels of the rows of G: kind ("force x", "torque", "loop y" ...) and index.
 
-        The index is the grain, or the loop in the order of `network.loops` (then `windings`).
+        The index is the grain, or the loop in the order of `network.loops` (then `windings`); of
+        "wall" among the balances the wall, of "wall", "ribbon", "span" and "glued" after the loops
+        the way in the order of `scaling.geometry.topology.lines`.
         """
         return self.matrices.rows
 
@@ -141,13 +144,10 @@ class ForceEquation:
         """Unknowns minus independent balance conditions, by counting (of touching grains).
 
         Each component balances by itself as a whole: two forces, and the moment unless
-        it winds the cell. The moment condition is exact for touching grains, Δ → 0; at finite
-        Δ, with the lever arm R_i, it is a singular value of order Δ.
+        it winds the cell, as far as no walls hold it. The moment condition is exact for touching
+        grains, Δ → 0; at finite Δ, with the lever arm R_i, it is a singular value of order Δ.
         """
-        forest, active = self.network.forest, self.network.active
-        rank = forest.winding_rank[np.unique(forest.component[active])]
-        trivial = int(np.where(rank == 0, 3, 2).sum())
-        return self.unknowns - ((3 if self.frictional else 2) * len(active) - trivial)
+        return self.unknowns - (self.M.shape[0] - trivial_balances(self.network, self.frictional))
 
     @property
     def conditioning(self) -> Conditioning:

@@ -12,21 +12,25 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from scaling.geometry.bodies import held_components, weighed
 from scaling.geometry.contact_network import ContactNetwork
 
 
 def global_moments(network: ContactNetwork) -> csr_array:
-    """(3N, parts): rows of M combined to the moment of each part, columns of unit length.
+    """(rows of M, parts): rows of M combined to the moment of each part, columns of unit length.
 
-    None for what winds a periodic cell, and none if only directions are known.
+    None for what winds a periodic cell or touches a wall, and none if only directions are known.
     """
     active, forest = network.active, network.forest
-    none = csr_array((3 * len(active), 0))
+    walls = len(weighed(network))
+    none = csr_array((3 * len(active) + walls, 0))
     if network.positions is None:
         return none
     looped = ~network.topology.bridges
     winds = forest.winding_rank[forest.component] > 0
-    i, j = network.pairs[looped | winds[network.pairs[:, 0]]].T
+    winds |= np.isin(forest.component, held_components(network))
+    between = network.pairs[: network.inner]
+    i, j = between[looped | winds[between[:, 0]]].T
     graph = csr_array((np.ones(len(i)), (i, j)), shape=(network.grains, network.grains))
     component = connected_components(graph, directed=False)[1][active]
     labels = np.unique(component[~winds[active]])
@@ -37,6 +41,7 @@ def global_moments(network: ContactNetwork) -> csr_array:
     for label in labels:
         mine = component == label
         y = np.where(mine[:, None], x - x[mine].mean(axis=0), 0.0)
-        v = np.concatenate([-y[:, 1], y[:, 0], np.where(mine, network.radii[active], 0.0)])
+        turned = np.where(mine, network.radii[active], 0.0)
+        v = np.concatenate([-y[:, 1], y[:, 0], turned, np.zeros(walls)])
         columns.append(v / np.linalg.norm(v))
     return csr_array(np.column_stack(columns)) if columns else none

@@ -29,6 +29,7 @@ from packing.arguments.coordinate_rounding import (
 )
 from scaling.equation.force_equation import ForceEquation
 from scaling.equation.strain import strain_of
+from scaling.geometry.bodies import held_components
 from scaling.geometry.coarse_coordinates import force_rounding
 from scaling.geometry.contact_network import ContactNetwork
 
@@ -133,12 +134,13 @@ def _refuse_net_torque(
 
 
 def _components(network: ContactNetwork) -> list[tuple[Integers, int]]:
-    """(grains, directions of winding) of each component that bears a load."""
+    """(grains, directions of winding) of each component that bears a load and no wall holds."""
     forest = network.forest
     order = np.argsort(forest.component, kind="stable")
     sizes = np.bincount(forest.component)
     parts = np.split(order, np.cumsum(sizes)[:-1])
     loaded = np.unique(forest.component[network.external.any(axis=1)])
+    loaded = np.setdiff1d(loaded, held_components(network))
     return [(parts[k], int(forest.winding_rank[k])) for k in loaded]
 
 

@@ -90,7 +90,7 @@ def projected(equation: ForceEquation, b: Floats, small: float) -> tuple[Floats,
 
 def per_grain(equation: ForceEquation, rows: Floats) -> Floats:
     """The magnitude, on each grain with contacts, of what rows of balance say."""
-    return np.sqrt(np.sum(rows.reshape(3 if equation.frictional else 2, -1) ** 2, axis=0))
+    return np.sqrt(np.sum(equation.matrices.balancing.of_grains(rows) ** 2, axis=0))
 
 
 def _mechanism(equation: ForceEquation, left: Floats, allowed: float) -> str:
@@ -99,7 +99,7 @@ def _mechanism(equation: ForceEquation, left: Floats, allowed: float) -> str:
     network = equation.network
     worst = int(grains[0])
     k = int(np.flatnonzero(equation.matrices.active == worst)[0])
-    part = ", ".join(f"{-x:.3g}" for x in left.reshape(-1, len(off))[:, k])
+    part = ", ".join(f"{-x:.3g}" for x in equation.matrices.balancing.of_grains(left)[:, k])
     kind = "(F_x, F_y, T/R)" if equation.frictional else "(F_x, F_y)"
     names = ", ".join(map(str, grains[:_NAMED].tolist()))
     more = ", ..." if len(grains) > _NAMED else ""

@@ -21,7 +21,9 @@ def places_of(
     blocks = [b for b in unknowns if b is not None]
     if grains is None or len(blocks) < len(unknowns):
         return NOWHERE
-    active = equation.matrices.active
-    balances = np.tile(grains[active], (equation.M.shape[0] // len(active), 1))
+    # A wall meets all grains: its row has no place.
+    balances = np.append(grains, [[np.nan, np.nan]], axis=0)[
+        equation.matrices.balancing.grain_of_row
+    ]
     columns = np.concatenate([*blocks, np.full((everywhere, 2), np.nan)])
     return Places(columns, None if rows else balances)

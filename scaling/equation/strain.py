@@ -46,10 +46,7 @@ def _rms(x: Floats) -> float:
 def _misaligned(network: ContactNetwork) -> Floats:
     """sin of the angle between directions measured and those of the positions."""
     assert network.positions is not None
-    i, j = network.pairs.T
-    branch = network.positions[j] - network.positions[i]
-    if network.cell is not None:
-        branch = branch + network.images @ network.cell
+    branch = network.boundary.branches(network.positions, network.pairs, network.images)
     return np.sum(branch * network.tangents, axis=1) / network.distances
 
 

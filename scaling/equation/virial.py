@@ -2,6 +2,7 @@
 
 Σ f_n r = 2 p A       of a periodic cell of area A under the pressure p
 Σ f_n r = -Σ x·F      of an open network under loads F that balance
+Σ f_n r = 2 p A       between walls that enclose the area A, with p the mean pressure that is told
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ def virial_of(network: ContactNetwork, pressure: float | None) -> float:
     periodic cell with loads: what they add to Σ f_n r depends on where the cell is cut.
     """
     area = network.boundary.area
+    if network.walls is not None:
+        return _between_walls(area, pressure)
     if area is not None:
         return 2 * _pressure_of_cell(network, pressure) * area
     if pressure is not None:
@@ -29,6 +32,17 @@ def virial_of(network: ContactNetwork, pressure: float | None) -> float:
     if not virial > 0:
         raise ValueError(f"the external loads do not compress: -Σ x·F = {virial:.3g}")
     return virial
+
+
+def _between_walls(area: float | None, pressure: float | None) -> float:
+    if pressure is None:
+        raise ValueError(
+            "pressure None: between walls forces of walls are unknowns, and the mean pressure has "
+            "to be told, with its error bar, or said to be 'unknown'"
+        )
+    if area is None:
+        raise ValueError(f"pressure {pressure:g}: the walls enclose no area it could act on")
+    return 2 * positive_number("pressure", pressure) * area
 
 
 def _pressure_of_cell(network: ContactNetwork, pressure: float | None) -> float:

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from packing.arguments.arrays import frozen
+from packing.boundary import Walls
 from packing.packing_like import PackingLike, fields_of, refuse_other_names
 from scaling.geometry import cuts
 from scaling.geometry.coarse_coordinates import warn_if_coarse
@@ -30,6 +31,7 @@ from scaling.geometry.fields import changed, given
 from scaling.geometry.high_precision import NO_LOW_PARTS, LowParts
 from scaling.geometry.network_data import NetworkData
 from scaling.geometry.topology.topology import Topology
+from scaling.geometry.topology.ways import Places
 from scaling.geometry.topology.wiring import Wiring
 
 
@@ -62,6 +64,9 @@ class ContactNetwork(NetworkData):
     low : LowParts, optional
         What the doubles leave out (value = high + low), for Δ below ~1e-6. Overlaps and Q|σ⟩
         are then computed in 32 digits.
+    walls : Walls, optional
+        Walls around the grains. Contact (i, N + w) is that of grain i with wall w; those come
+        after all others.
 
     Attributes
     ----------
@@ -110,7 +115,7 @@ class ContactNetwork(NetworkData):
     [[1, -1, 1]]
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  (the fields of a network)
         self,
         positions: ArrayLike | None,
         radii: ArrayLike,
@@ -121,13 +126,18 @@ class ContactNetwork(NetworkData):
         external: ArrayLike | None = None,
         normals: ArrayLike | None = None,
         low: LowParts = NO_LOW_PARTS,
+        walls: Walls | None = None,
     ) -> None:
-        fields = given(positions, radii, pairs, cell, images, external, normals, low)
+        fields = given(positions, radii, pairs, cell, images, external, normals, low, walls)
         self.__dict__.update(fields)
         lengths = self.sigma if self.positions is None else self.distances
-        periodic = self.cell is not None
-        wiring = Wiring(self.grains, self.pairs, self.images, self.normals, lengths, periodic)
-        self.__dict__.update(topology=Topology(wiring))
+        periodic, k = self.cell is not None, self.inner
+        wiring = Wiring(
+            self.grains, self.pairs[:k], self.images[:k], self.normals[:k], lengths[:k], periodic
+        )
+        wall_pairs = self.pairs[k:] - np.array([0, self.grains])
+        places = Places(self.positions, self.cell, walls, frozen(wall_pairs))
+        self.__dict__.update(topology=Topology(wiring, places))
         warn_if_coarse(self, built=True)
 
     @classmethod
@@ -159,7 +169,7 @@ class ContactNetwork(NetworkData):
             network = packing
         else:
             given = fields_of(packing, ("positions", "radii", "pairs"))
-            names = ("cell", "images", "external")
+            names = ("cell", "images", "external", "walls")
             optional = {k: getattr(packing, k, None) for k in names}
             refuse_other_names(packing, optional)
             low = LowParts(
@@ -237,6 +247,7 @@ class ContactNetwork(NetworkData):
             external=external,
             normals=self.normals[keep] if self.directions_measured else None,
             low=NO_LOW_PARTS if self.extended is None else self.extended.low,
+            walls=cuts.walls_of_part(self, keep),
         )
         index = frozen(np.flatnonzero(keep))
         new.__dict__.update(contact_index=index, load_rounding=self.load_rounding)
@@ -247,7 +258,7 @@ class ContactNetwork(NetworkData):
 
         Grains move by lattice vectors so that no contact leaves the cell.
         """
-        if self.cell is None or self.forest.winding.any():
+        if self.cell is None or self.walls is not None or self.forest.winding.any():
             return self
         shift, x, low, normals = self.forest.shift, self.positions, NO_LOW_PARTS, None
         if self.extended is not None and not self.directions_measured:
@@ -297,7 +308,7 @@ class ContactNetwork(NetworkData):
         ContactNetwork
             Grains outside stay as grains without contacts and loads. If the region does not wind
             the periodic cell, it is unwrapped and becomes an open network; else it keeps its
-            cell.
+            cell. Walls stay; the load of one that loses contacts is not known any more.
 
         Raises
         ------

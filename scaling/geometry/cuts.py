@@ -10,7 +10,7 @@ rounding of these forces, and no load.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from packing.arguments.arrays import Floats, real_array, truth_array, whole_array
 from packing.arguments.coordinate_rounding import EVIDENCE, significant_digits
 from packing.arguments.numbers import flag, shown
+from packing.boundary.walls import FREE, Walls
+from packing.contacts.ends import contact_counts
 from packing.contacts.rattlers import backbone, fewest_contacts
 from scaling.geometry.coarse_coordinates import force_rounding
 from scaling.geometry.network_data import NetworkData
@@ -49,8 +51,22 @@ def bearing(network: NetworkData, frictional: bool = True) -> NDArray[np.bool_]:
     """(c,) contacts left when rattlers are taken out: see `ContactNetwork.without_rattlers`."""
     need = fewest_contacts(flag("frictional", frictional))
     every = np.ones(network.contacts, dtype=bool)
-    loaded = np.asarray(network.external.any(axis=1))
-    return backbone(network.pairs, every, network.grains, need, held=loaded)
+    held = np.asarray(network.external.any(axis=1))
+    if network.walls is not None:
+        held |= network.walls.glued_grains(network.grains) != FREE
+        held = np.append(held, np.ones(len(network.walls), dtype=bool))
+    return backbone(network.pairs, every, len(held), need, held=held)
+
+
+def walls_of_part(network: NetworkData, keep: NDArray[np.bool_]) -> Walls | None:
+    """The walls, without the loads of those that lose contacts, or grains that are glued."""
+    walls = network.walls
+    if walls is None or keep.all():
+        return walls
+    glued = np.append(walls.glued_grains(network.grains), np.arange(len(walls)))
+    lost = glued[network.pairs[~keep]]
+    loads = np.where(np.isin(np.arange(len(walls)), lost), np.nan, walls.loads)
+    return replace(walls, loads=loads)
 
 
 def cut_out(
@@ -61,7 +77,10 @@ def cut_out(
 ) -> Cut:
     """What is left of the network, and what acts on it: see `ContactNetwork.inside`."""
     inner = _grain_mask(mask, network.grains)
-    at_i, at_j = inner[network.pairs].T
+    i, j = network.pairs.T
+    at_i = inner[i]
+    # A wall is inside where the grain is that touches it.
+    at_j = np.where(j < network.grains, inner[np.minimum(j, network.grains - 1)], at_i)
     keep, cut = at_i & at_j, at_i ^ at_j
     external = np.where(inner[:, None], network.external, 0.0)
     rounding = network.load_rounding
@@ -75,7 +94,7 @@ def cut_out(
             ft = real_array("tangential_forces", tangential_forces, shape, "contact")
         rounding = max(rounding, _force_digits(fn), _force_digits(ft))
         external += _loads_of_cut(network, inner, np.flatnonzero(cut), fn, ft)
-        alone = inner & (np.bincount(network.pairs[keep].ravel(), minlength=network.grains) == 0)
+        alone = inner & (contact_counts(network.pairs[keep], network.grains) == 0)
         if alone.any():
             size = _size_of_cut(network, cut, np.hypot(fn, ft))
             slack = max(_ROUNDING, rounding, force_rounding(network)) * size

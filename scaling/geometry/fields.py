@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arguments.arrays import Floats, frozen, real_array
-from packing.arguments.numbers import shown
-from packing.boundary import boundary_of
+from packing.arguments.numbers import instance, shown
+from packing.boundary import Walls, boundary_of
 from packing.contacts import contact_list
 from scaling.geometry.high_precision import LowParts, with_low_parts
 from scaling.geometry.network_data import NetworkData
 from scaling.geometry.shared import Shared
 
 
-def given(
+def given(  # noqa: PLR0913  (the fields of a network)
     positions: ArrayLike | None,
     radii: ArrayLike,
     pairs: ArrayLike,
@@ -29,24 +29,31 @@ def given(
     external: ArrayLike | None,
     normals: ArrayLike | None,
     low: LowParts,
+    walls: Walls | None,
 ) -> dict[str, Any]:
     """The fields of a new network, read-only: see `ContactNetwork`. ValueError: bad input."""
     R = contact_list.radii_of_grains(radii)
     N = len(R)
+    if walls is not None:
+        instance("walls", walls, Walls).glued_grains(N)
+        if low:
+            raise ValueError("low parts are given, but between walls they are not known")
+    k = 0 if walls is None else len(walls)
     ij = contact_list.integer("pairs", pairs)
     H = None if cell is None else contact_list.lattice(cell)
-    boundary = boundary_of(H)
+    boundary = boundary_of(H, walls)
     x = None
     if positions is not None:
         x = frozen(real_array("positions", positions, (N, 2), "grain"))
     if images is None and H is not None and len(ij):
         if x is None:
             raise ValueError("a periodic network without positions needs images")
-        contact_list.contacts(ij, np.ones_like(ij), N)  # grains must exist before images
+        elsewhere = np.where(ij[:, 1:] < N, 1, np.zeros_like(ij))
+        contact_list.contacts(ij, elsewhere, N, k)  # grains must exist before images
         m = boundary.nearest_images(x, ij)
     else:
         m = np.zeros_like(ij) if images is None else contact_list.integer("images", images)
-    contact_list.contacts(ij, m, N)
+    contact_list.contacts(ij, m, N, k)
     boundary.refuse_images(m)
     if normals is not None:
         n = contact_list.directions(normals, len(ij))
@@ -65,6 +72,7 @@ def given(
         "contact_index": frozen(np.arange(len(ij))),
         "directions_measured": normals is not None,
         "load_rounding": 0.0,
+        "walls": walls,
         "shared": Shared(),
         **_lengths(x, frozen(R), None if H is None else frozen(H), low),
     }
@@ -101,7 +109,7 @@ def changed(
         fields["directions_measured"] = True
     elif not network.directions_measured and not (positions is None and cell is None):
         assert x is not None
-        branch = boundary_of(H).branches(x, network.pairs, network.images)
+        branch = boundary_of(H, network.walls).branches(x, network.pairs, network.images)
         n = frozen(contact_list.unit_vectors(branch, network.pairs))
     if not np.array_equal(n, network.normals):
         fields["shared"] = Shared()

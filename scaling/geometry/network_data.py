@@ -9,7 +9,9 @@ import numpy as np
 
 from packing.arguments.arrays import Floats, Integers, frozen
 from packing.arguments.immutable import Immutable
-from packing.boundary import Boundary, boundary_of
+from packing.boundary import Boundary, Walls, boundary_of
+from packing.boundary.walls import FREE
+from packing.contacts.ends import contact_counts, size_sums
 from scaling.geometry.high_precision import Extended
 from scaling.geometry.shared import Shared
 from scaling.geometry.topology.loops import Loops
@@ -36,6 +38,8 @@ class NetworkData(Immutable):
     """Whether `normals` were given, and stand for the directions."""
     load_rounding: float
     """Rounding of the loads relative to themselves, where they come from rounded forces."""
+    walls: Walls | None
+    """Contact (i, N + w) is that of grain i with wall w, after all others."""
     topology: Topology
     """Forest, faces and windings of the contacts. They are kept when data change: noise moves
     grains, it does not re-wire them."""
@@ -45,6 +49,8 @@ class NetworkData(Immutable):
 
     def __repr__(self) -> str:
         kind = "open" if self.cell is None else "periodic"
+        if self.walls is not None:
+            kind += f", {len(self.walls)} walls"
         return f"ContactNetwork({self.grains} grains, {self.contacts} contacts, {kind})"
 
     # --- counts ---------------------------------------------------------------------------
@@ -60,19 +66,27 @@ class NetworkData(Immutable):
         return len(self.pairs)
 
     @cached_property
+    def inner(self) -> int:
+        """The number of contacts between grains: those with walls come after them."""
+        return self.contacts if self.walls is None else int(np.sum(self.pairs[:, 1] < self.grains))
+
+    @cached_property
     def degrees(self) -> Integers:
         """Contacts per grain, (N,); one with the grain's own image counts twice."""
-        return frozen(np.bincount(self.pairs.ravel(), minlength=self.grains))
+        return frozen(contact_counts(self.pairs, self.grains))
 
     @cached_property
     def active(self) -> Integers:
-        """Grains with at least one contact: those that have rows in the equation."""
-        return frozen(np.flatnonzero(self.degrees))
+        """Grains with a contact that are glued to no wall: those that have rows in balance."""
+        touched = self.degrees > 0
+        if self.walls is not None:
+            touched &= self.walls.glued_grains(self.grains) == FREE
+        return frozen(np.flatnonzero(touched))
 
     @property
     def coordination(self) -> float:
-        """Z: mean number of contacts of the grains that have any."""
-        return 2 * self.contacts / len(self.active) if self.contacts else 0.0
+        """Z: mean number of contacts of the grains that have any, and balance."""
+        return float(self.degrees[self.active].mean()) if len(self.active) else 0.0
 
     @property
     def components(self) -> int:
@@ -81,20 +95,21 @@ class NetworkData(Immutable):
 
     @property
     def faces(self) -> int:
-        """Number of loops: c - N on a torus, c - N + 1 for one open component."""
+        """Number of loops: c - N on a torus or ribbon, c - N + 1 for one open component, of the
+        contacts between grains."""
         return len(self.loops)
 
     @property
     def euler(self) -> int:
-        """V - E + F: 0 on a torus, else the number of open components."""
-        return len(self.active) - self.contacts + self.faces
+        """V - E + F: 0 on a torus or ribbon, else the number of open components."""
+        return len(np.unique(self.pairs[: self.inner])) - self.inner + self.faces
 
     # --- geometry -------------------------------------------------------------------------
 
     @property
     def boundary(self) -> Boundary:
-        """Open, or the periodic cell: where the other ends of contacts are."""
-        return boundary_of(self.cell)
+        """Open, the periodic cell, or walls: where the other ends of contacts are."""
+        return boundary_of(self.cell, self.walls)
 
     @cached_property
     def tangents(self) -> Floats:
@@ -103,8 +118,8 @@ class NetworkData(Immutable):
 
     @cached_property
     def sigma(self) -> Floats:
-        """Contact diameters σ = R_i + R_j, (c,)."""
-        return frozen(self.radii[self.pairs].sum(axis=1))
+        """Contact diameters σ = R_i + R_j, (c,); R_i at a wall."""
+        return frozen(size_sums(self.radii, self.pairs))
 
     @cached_property
     def distances(self) -> Floats:

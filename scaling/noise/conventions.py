@@ -19,6 +19,7 @@ from packing.arguments.arrays import Floats
 from packing.arguments.numbers import choice, generator, instance, number_from_zero, shown
 from packing.contacts import contact_list
 from packing.doubledouble import two_sum
+from scaling.geometry.bodies import ends, pushed
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.geometry.high_precision import LowParts
 
@@ -125,11 +126,13 @@ def distance_response(network: ContactNetwork) -> csr_array:
 
 def turning_response(network: ContactNetwork) -> csr_array:
     """r ∂θ/∂x ⟨σ⟩, (c, 2N) sparse: relative displacement across the contact over ξ, likewise."""
-    return _along(network, network.tangents)
+    # A wall stays as it is: contacts with it do not turn.
+    between_grains = (np.arange(network.contacts) < network.inner)[:, None]
+    return _along(network, network.tangents * between_grains)
 
 
 def balance_response(network: ContactNetwork, forces: ArrayLike) -> csr_array:
-    """δM|f⟩ = ξ Σ of it times η, (3N, 2N) sparse, or (2N, 2N) for c normal forces.
+    """δM|f⟩ = ξ Σ of it times η, (rows of M, 2N) sparse, for (2c,) forces or c normal ones.
 
     Directions turn, δn = t δθ and δt = -n δθ with δθ = t·(u_j - u_i)/r: the force -f_n n + f_t t
     on grain i changes by -(f_n t + f_t n) δθ, and torques do not change.
@@ -141,11 +144,11 @@ def balance_response(network: ContactNetwork, forces: ArrayLike) -> csr_array:
     ft = f[c:] if frictional else np.zeros(c)
     turned = fn[:, None] * network.tangents + ft[:, None] * network.normals
     δθ = diags_array(1 / network.distances) @ turning_response(network)
-    difference = csr_array(_incidence(network, -1.0).T)[active]
-    blocks = [-difference @ diags_array(turned[:, k]) @ δθ for k in (0, 1)]
+    forces_on, on_walls = pushed(network, -turned)
+    blocks = [rows @ δθ for rows in forces_on]
     if frictional:
         blocks.append(csr_array((len(active), 2 * network.grains)))
-    return csr_array(vstack(blocks))
+    return csr_array(vstack([*blocks, on_walls @ δθ]))
 
 
 def _along(network: ContactNetwork, direction: Floats) -> csr_array:
@@ -164,7 +167,5 @@ def _moved(network: ContactNetwork, xi: float, rng: np.random.Generator) -> Cont
 
 
 def _incidence(network: ContactNetwork, sign: float) -> csr_array:
-    c = network.contacts
-    values = np.repeat([1.0, sign], c)
-    where = (np.tile(np.arange(c), 2), network.pairs.T.ravel())
-    return csr_array((values, where), shape=(c, network.grains))
+    """(c, N): 1 at the first grain of each contact, `sign` at the second; walls are exact."""
+    return csr_array(ends(network, sign)[: network.grains].T)

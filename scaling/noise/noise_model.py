@@ -23,6 +23,7 @@ from packing.arguments.arrays import Floats, real_array
 from packing.arguments.immutable import Immutable, read_only
 from packing.arguments.numbers import instance, positive_number, real_number
 from packing.contacts import contact_list
+from scaling.geometry.bodies import weighed
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.conventions import (
     balance_response,
@@ -86,7 +87,7 @@ class NoiseModel(Immutable):
     def balance(self, network: ContactNetwork, forces: ArrayLike) -> csr_array:
         """D, (rows of M, k) sparse, for `forces` (2c,) or (c,)."""
         _, frictional = contact_list.forces(forces, network.contacts)
-        rows = len(network.active) * (3 if frictional else 2)
+        rows = len(network.active) * (3 if frictional else 2) + len(weighed(network))
         if not self.moves:
             return csr_array((rows, self.count))
         return csr_array(balance_response(network, forces) / network.mean_diameter) @ (

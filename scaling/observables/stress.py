@@ -8,7 +8,6 @@ balance with the lever arm r_e/2 per grain pair; with the arms R_i, up to O(Δ).
 
 from __future__ import annotations
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from packing.arguments.arrays import Floats
@@ -28,7 +27,8 @@ def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = N
         f_n then f_t, or f_n alone.
     area : float, optional
         What the forces are spread over. It is needed for an open network, which has no area of
-        its own, and refused for a periodic one, whose area is that of its cell.
+        its own, and refused for a periodic one, whose area is that of its cell, and between walls
+        that enclose one.
 
     Returns
     -------
@@ -57,10 +57,11 @@ def stress(network: ContactNetwork, forces: ArrayLike, *, area: float | None = N
     """
     c = instance("network", network, ContactNetwork).contacts
     f, frictional = contact_list.forces(forces, c)
-    if network.cell is not None:
+    own = network.boundary.area
+    if own is not None:
         if area is not None:
-            raise ValueError(f"area = {shown(area)} is not used: the network has a cell")
-        area = abs(float(np.linalg.det(network.cell)))
+            raise ValueError(f"area = {shown(area)} is not used: the network has its own")
+        area = own
     elif area is None:
         raise ValueError("an open network has no area of its own: give area")
     else:

@@ -44,6 +44,7 @@ class Box(NamedTuple):
     masses: np.ndarray
     stiffness: float
     friction: float
+    source: Path
 
     def loaded(self, external):
         """The same contacts under other loads."""
@@ -66,7 +67,8 @@ def box():
     network = ContactNetwork(x, radii, np.sort(ids, axis=1), external=walls + weight)
     normal = -np.sum(onto * rows[:, 2:4] * network.normals, axis=1)
     tangential = np.sum(onto * rows[:, 4:6] * network.tangents, axis=1)
-    return Box(network, np.concatenate([normal, tangential]), walls, masses, 1e5, 0.4)
+    source = OURS / "lammps_walls" / "grains.txt"
+    return Box(network, np.concatenate([normal, tangential]), walls, masses, 1e5, 0.4, source)
 
 
 def touching(x, radii, cell):

@@ -37,10 +37,10 @@ def elimination_order(p: Posterior, columns: int, rows: int, met: Integers) -> I
     if acting is None:
         return None
     rank = np.empty(network.grains + 1, np.int64)
-    rank[nested_dissection(places, network.pairs)] = np.arange(network.grains)
+    rank[nested_dissection(places, network.pairs[: network.inner])] = np.arange(network.grains)
     rank[-1] = network.grains  # what meets all grains comes last
-    contact = rank[network.pairs].min(axis=1)
-    active, balances = p.equation.matrices.active, p.equation.M.shape[0]
+    contact = rank[np.minimum(network.pairs, network.grains)].min(axis=1)
+    balancing, balances = p.equation.matrices.balancing, p.equation.M.shape[0]
     forces = np.tile(contact, p.equation.unknowns // network.contacts)
     blocks = [(forces, _FORCE), (rank[acting], _SOURCE)]
     # Moments of the loads meet all grains, what the second order adds has a contact of its own.
@@ -49,7 +49,7 @@ def elimination_order(p: Posterior, columns: int, rows: int, met: Integers) -> I
                              np.tile(contact, rest // network.contacts)])  # fmt: skip
     blocks += [
         (second, _FORCE),
-        (np.tile(rank[active], balances // len(active)), _BALANCE),
+        (rank[balancing.grain_of_row], _BALANCE),
         (contact, _DATUM),
         (np.full(rows - balances - network.contacts, rank[-1]), _BALANCE),
         (contact[met], _BOUND),

@@ -51,8 +51,10 @@ class Posterior:
     @property
     def floats(self) -> bool:
         """Whether the mean force is not known exactly, and found with the forces."""
-        cell = self.equation.network.cell
-        return cell is not None and self.prior.mean != 0 and not self.stress.fixes_trace
+        area = self.equation.network.boundary.area
+        if self.equation.balance_rhs().any():
+            return False  # loads say how large forces are
+        return area is not None and self.prior.mean != 0 and not self.stress.fixes_trace
 
     @property
     def stiffness(self) -> float:
@@ -153,11 +155,12 @@ def _likely_virial(equation: ForceEquation, told: MeanStress, noise: NoiseModel 
     that scatter about 0.
     """
     network, likely = equation.network, told.likely_pressure
-    if network.cell is None and told.components:
+    area = network.boundary.area
+    if area is None and told.components:
         raise ValueError("the mean stress of an open network follows from its loads: tell none")
-    if network.cell is None or likely is not None or noise is None:
+    if area is None or likely is not None or noise is None:
         return virial_of(network, likely)
-    if not network.forest.winding_rank.any():
+    if network.walls is None and not network.forest.winding_rank.any():
         return virial_of(network, 1.0)  # refused: nothing carries a pressure
     weighed = equation.stiffened(network.distances * equation.stiffness)
     virial = float(weighed @ network.overlaps)

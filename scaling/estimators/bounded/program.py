@@ -108,7 +108,7 @@ def program_of(
     u, i = told.noise.shape[1], len(told.sums)
     equal = block_array(
         [
-            [equation.M, turning, moments, *_zeros(m, u, v, w)],
+            [equation.M, turning, moments, told.grow(equation.M), *_zeros(m, v, w)],
             [data, effect, *_zeros(len(found), s), told.grow(data), gaps, slack],
             [told.rows, *_zeros(i, k, s), told.noise, *_zeros(i, v, w)],
         ]
@@ -116,7 +116,10 @@ def program_of(
     b = [equation.balance_rhs() / f0 + turning @ η0, found + effect @ η0, told.sums]
     limits = _cone(c, p.friction, equation.frictional)
     shut = [*_zeros(v, n, k, s, u), -eye_array(v), *_zeros(v, w)]
-    cone = block_array([[limits, *_zeros(limits.shape[0], k, s, u, v, w)], shut])
+    held = limits.shape[0]
+    cone = block_array(
+        [[limits, *_zeros(held, k, s), told.grow(limits), *_zeros(held, v, w)], shut]
+    )
     P = np.concatenate(
         [
             width**-2.0,

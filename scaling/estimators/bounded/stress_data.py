@@ -41,11 +41,10 @@ def stress_data(p: Posterior, last: Floats, shift: Floats | None) -> StressData:
 
     None on open networks, where balance implies the mean force."""
     network, n = p.equation.network, p.equation.unknowns
-    if network.cell is None:
+    area = network.boundary.area
+    if area is None:
         none = csr_array((0, n))
         return StressData(none, np.zeros(0), csr_array((0, 0)), np.zeros(0), np.zeros(0))
-    area = network.boundary.area
-    assert area is not None
     pressure, told = p.stress.pressure, p.stress
     here = Datum(p.virial / (2 * area))
     if p.floats:

@@ -22,6 +22,7 @@ from scipy.sparse import csc_array, csr_array, diags_array, hstack, vstack
 from packing.arguments.arrays import Floats, Integers
 from scaling.equation.force_equation import ForceEquation
 from scaling.equation.global_moments import global_moments
+from scaling.equation.trivial_balances import trivial_balances
 from scaling.estimators.misfit import Misfit
 from scaling.estimators.told.mean_stress import MeanStress
 from scaling.noise.noise_model import NoiseModel
@@ -94,6 +95,8 @@ def _rank(matrix: Floats) -> int:
 def _counted(equation: ForceEquation, noise: NoiseModel, acting: csr_array, data: str) -> int:
     """d of a disordered network: the conditions left over, or the sources, if they are fewer."""
     network, forest = equation.network, equation.network.forest
+    if network.walls is not None:
+        return _counted_between_walls(equation, acting, data)
     labels, part = np.unique(forest.component[network.active], return_inverse=True)
     count, winding = len(labels), forest.winding_rank[labels]
     of_contact = np.searchsorted(labels, forest.component[network.pairs[:, 0]])
@@ -135,9 +138,24 @@ def _component_of_source(
     columns.eliminate_zeros()
     columns.sort_indices()
     row = columns.indices[columns.indptr[:-1][np.diff(columns.indptr) > 0]]
-    balances, loops = equation.M.shape[0], equation.matrices.loops
+    balances, Q = equation.M.shape[0], equation.Q
     if acting.shape[0] == balances:
         return part[row % len(equation.network.active)]
-    incidence = csr_array(loops.incidence)
-    first = incidence.indices[incidence.indptr[(row - balances) % len(loops)]]
-    return of_contact[first]
+    return of_contact[Q.indices[Q.indptr[row - balances]]]
+
+
+def _counted_between_walls(equation: ForceEquation, acting: csr_array, data: str) -> int:
+    """d as of one component: walls hold all of them."""
+    network, c, closing = equation.network, equation.network.contacts, equation.matrices.closing
+    left = equation.M.shape[0] - trivial_balances(network, equation.frictional)
+    columns = csc_array(acting)
+    columns.eliminate_zeros()
+    sources = int((np.diff(columns.indptr) > 0).sum())
+    if data == "sizes":
+        closures = 2 * len(closing.loops) + closing.lines.independent
+        left += min(closures, c - 1) - equation.unknowns
+        loaded = network.external.any() or len(equation.matrices.balancing.walls)
+        sources -= 0 if loaded else 1
+    elif equation.frictional:
+        left -= c
+    return min(left, sources)

@@ -110,10 +110,11 @@ def stress_rows(equation: ForceEquation, told: MeanStress, distances: bool) -> F
     `distances`: with those of the network, else with the lattice vectors that contacts cross.
     """
     network, c = equation.network, equation.network.contacts
-    assert network.cell is not None
     if distances:
         lever = network.distances[:, None] * network.normals
     else:
+        if network.cell is None or network.walls is not None:
+            raise ValueError("between walls the mean stress needs distances: data = 'all'")
         lever = network.images @ network.cell
     rows = np.zeros((len(told.data), equation.unknowns))
     for row, (name, _) in zip(rows, told.data, strict=True):

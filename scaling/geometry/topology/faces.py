@@ -29,8 +29,8 @@ def faces(wiring: Wiring, forest: Forest) -> Loops:
     """All faces of a periodic network, the bounded ones of open components.
 
     Components are treated one by one: an open component (also an island inside a face of a
-    periodic network) contributes its bounded faces. ValueError when the faces are not
-    discs, because a component winds the cell in one direction only, or when contacts cross.
+    periodic network) contributes its bounded faces, as does a ribbon, which winds the cell in one
+    direction. ValueError when faces are not discs, because contacts cross.
     """
     c = wiring.contacts
     if c == 0:
@@ -84,13 +84,17 @@ def faces(wiring: Wiring, forest: Forest) -> Loops:
 def _refuse_unless_discs(
     wiring: Wiring, forest: Forest, of_walk: Integers, turning: Integers, image: Integers
 ) -> None:
-    """A component is fine with discs only (torus), or discs and one outside (open)."""
+    """A component is fine with discs only (torus), or discs and one outside (open), or two edges
+    that wind (ribbon)."""
     rank = forest.winding_rank
     size = len(rank)
     outer = np.bincount(of_walk[turning == -1], minlength=size)
-    odd = np.bincount(of_walk[(abs(turning) != 1) | image.any(axis=1)], minlength=size)
+    winds = image.any(axis=1)
+    edges = np.bincount(of_walk[(turning == 0) & winds], minlength=size)
+    odd = np.bincount(of_walk[(abs(turning) != 1) | winds], minlength=size)
     touched = np.bincount(of_walk, minlength=size) > 0
-    bad = touched & ((odd > 0) | (outer != (rank == 0)))
+    expected_edges = np.where(rank == 1, 2, 0)
+    bad = touched & ((odd != expected_edges) | (edges != odd) | (outer != (rank == 0)))
     if not bad.any():
         return
     k = int(np.argmax(bad))
@@ -98,12 +102,7 @@ def _refuse_unless_discs(
     V, E = int(member.sum()), int(member[wiring.pairs[:, 0]].sum())
     F = int((of_walk == k).sum())
     where = f"the component of grain {int(np.argmax(member))} ({V} grains, {E} contacts)"
-    if rank[k] == 1:
-        raise ValueError(
-            f"{where} winds the cell in one direction only: the space beside it is a ribbon, "
-            "not a disc, and its loops are not contractible"
-        )
-    expected = 0 if rank[k] == 2 else 2
+    expected = {0: 2, 1: 2, 2: 0}[int(rank[k])]
     raise ValueError(
         f"{where} has {F} faces: V - E + F = {V - E + F} instead of {expected}; contacts cross"
     )

@@ -33,11 +33,11 @@ def tree_windings(wiring: Wiring, forest: Forest) -> Loops:
     area = abs(w[:, None, 0] * w[None, :, 1] - w[:, None, 1] * w[None, :, 0]).astype(float)
     area[area == 0] = np.inf
     a, b = np.unravel_index(np.argmin(area), area.shape)
-    incidence = np.array([_loop_through(wiring, forest, through[first[k]]) for k in (a, b)])
+    incidence = np.array([loop_through(wiring, forest, through[first[k]]) for k in (a, b)])
     return Loops(csr_array(incidence), w[[a, b]])
 
 
-def _loop_through(wiring: Wiring, forest: Forest, contact: int) -> Integers:
+def loop_through(wiring: Wiring, forest: Forest, contact: int) -> Integers:
     """(c,) signs of the loop root → i, contact, j → root."""
     signs = np.zeros(wiring.contacts, dtype=np.int64)
     signs[contact] = 1

@@ -192,8 +192,9 @@ def test_an_island_in_a_hole_of_a_torus():
     assert abs(closure(network, network.loops)).max() < 12 * 8 * EPS
 
 
-def test_a_ribbon_is_refused():
-    """A row of grains that winds in one direction: the space beside it is not a disc."""
+def test_a_ribbon_closes_across():
+    """A row of grains that winds in one direction has no face; across the way round it closes,
+    along it only with the length of the cell. Control: turned by a right angle it does not."""
     n = ContactNetwork(
         [[0, 0], [1, 0.1], [2, 0]],
         [0.5] * 3,
@@ -201,8 +202,14 @@ def test_a_ribbon_is_refused():
         cell=3 * np.eye(2),
         images=[(0, 0), (0, 0), (-1, 0)],
     )
-    with pytest.raises(ValueError, match=r"grain 0 .* winds the cell in one direction only"):
-        _ = n.loops
+    assert (len(n.loops), n.components, n.euler) == (0, 1, 0)
+    for ways, Λ in ((n.topology.lines, 0.0), (n.topology.spans, 3.0)):
+        assert len(ways) == 1
+        walked = ways.incidence @ (n.distances[:, None] * n.normals)
+        assert ways.lengths(n.cell, None, n.positions) == pytest.approx([Λ], abs=8 * EPS)
+        assert np.sum(walked * ways.directions, axis=1) == pytest.approx([Λ], abs=8 * EPS)
+    turned = n.topology.lines.directions @ np.array([[0, -1], [1, 0]])
+    assert abs(np.sum(walked * turned)) > 2.9
 
 
 def test_crossing_contacts_are_refused():
