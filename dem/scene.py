@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from dem.model.confinement import BOUNDARIES, Confinement
 from dem.model.law import elastic_law
 from packing.arguments.numbers import (
     LARGEST,
@@ -66,8 +67,12 @@ class Scene:
     contact : str or packing.contact_law.ContactLaw
         "linear", f_n = κ δ; "hertz", which stands for ``packing.contact_law.Hertz()``; or a law: a
         frozen dataclass of plain numbers.
-    boundary : str
-        "periodic", isotropic pressure control.
+    boundary : str, Strip or Box
+        "periodic", isotropic pressure control; "walls", periodic along x between a floor and a top
+        wall under the force p times its length; "box", four walls, the top one pressed.  Surfaces
+        and more in ``dem.model.confinement``, of which the last two are ``Strip()`` and ``Box()``.
+    gravity : float
+        Acceleration g >= 0 along -y, in κ/(ρ⟨σ⟩²); between walls only.
 
     Raises
     ------
@@ -92,7 +97,8 @@ class Scene:
     stiffness_ratio: float = 0.5
     aspect: float = 1.0
     contact: str | ElasticLaw = "linear"
-    boundary: str = "periodic"
+    boundary: str | Confinement = "periodic"
+    gravity: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "grains", whole_number("grains", self.grains))
@@ -119,8 +125,27 @@ class Scene:
             )
         self._check_width()
         self._check_contact()
-        if not (isinstance(self.boundary, str) and self.boundary == "periodic"):
-            raise ValueError(f"boundary = {shown(self.boundary)} is not built yet; use 'periodic'")
+        self._check_boundary()
+
+    def _check_boundary(self) -> None:
+        if isinstance(self.boundary, str) and self.boundary in BOUNDARIES:
+            object.__setattr__(self, "boundary", BOUNDARIES[self.boundary]())
+        walled = isinstance(self.boundary, tuple(BOUNDARIES.values()))
+        if not walled and not (isinstance(self.boundary, str) and self.boundary == "periodic"):
+            raise ValueError(
+                f"boundary = {shown(self.boundary)} is none of 'periodic', 'walls', 'box'"
+            )
+        object.__setattr__(self, "gravity", number_from_zero("gravity", self.gravity))
+        if self.gravity and not walled:
+            raise ValueError(
+                f"gravity = {self.gravity}: in a periodic cell grains would fall without end; "
+                "take walls"
+            )
+
+    @property
+    def confinement(self) -> Confinement | None:
+        """Its walls, if it has any."""
+        return None if isinstance(self.boundary, str) else self.boundary
 
     def _check_contact(self) -> None:
         if isinstance(self.contact, str) and self.contact == "hertz":
@@ -165,6 +190,12 @@ class Scene:
     def plain(self) -> dict[str, Any]:
         """Its fields as plain values, for the record of a packing."""
         known = {f.name: getattr(self, f.name) for f in fields(self)}
+        if self.confinement is not None:
+            walls: Any = self.boundary
+            options = {f.name: getattr(walls, f.name) for f in fields(walls)}
+            known["boundary"] = {"walls": type(walls).__name__} | options
+        if not self.gravity:
+            del known["gravity"]  # as those recorded it that knew none
         return known if self.is_linear else known | {"contact": law_record(self.law)}
 
     def _check_width(self) -> None:

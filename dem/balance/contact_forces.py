@@ -8,7 +8,6 @@ import numpy as np
 
 from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours
-from dem.motion.state import State
 from packing.arguments.arrays import Floats
 from packing.contacts.rattlers import backbone, fewest_contacts
 
@@ -33,12 +32,3 @@ def bearing_contacts(
 ) -> np.ndarray:
     """The ``bearing`` pairs of the list that are left when rattlers are taken off."""
     return backbone(near.pairs, bearing, grains, fewest_contacts(law.friction > 0))
-
-
-def forces_as_integrated(state: State, near: Neighbours, law: ContactLaw) -> ContactForces:
-    """What time integration has left at the contacts."""
-    overlap = np.maximum(near.sigma - np.abs(near.branches(state)), 0.0)
-    law = law if law.linear else law.of(near.effective_radii)
-    normal = law.force(overlap)
-    bearing = bearing_contacts(near, normal > 0, law, len(state.radii))
-    return ContactForces(normal, law.tangential_stiffness(overlap) * near.elongation, bearing)

@@ -18,7 +18,6 @@ from dem.balance.tangent import PIN, Equilibrium
 from dem.balance.trial import Trial
 from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours
-from dem.model.rectangle import rectangle
 from dem.motion.state import State
 from packing.arguments.arrays import Floats
 
@@ -57,17 +56,22 @@ class PolishFailed(ArithmeticError):
 def polish(
     state: State, near: Neighbours, law: ContactLaw, pressure: float, tolerance: float = 1e-9
 ) -> ContactForces:
+    """Bring a packing in a cell to rest: `polished` at its equilibrium."""
+    return polished(Equilibrium(state, near, law, pressure), state, tolerance)
+
+
+def polished(balance: Equilibrium, state: State, tolerance: float = 1e-9) -> ContactForces:
     """Bring ``state`` (changed in place: positions, cell, history) to equilibrium.
 
     Raises PolishFailed when the tangent is singular or the residual stops falling above
     ``tolerance`` (in p) and round-off; the state is then as it was.
     """
-    balance = Equilibrium(state, near, law, pressure)
+    pressure = balance.pressure
     # A sum of forces κ δ, δ the difference of lengths of order 1, is good to ~ κ ε.
     floor = 10 * balance.stiffness * np.finfo(float).eps
     kept, iterations = newton(balance, floor, max(tolerance * pressure, 100 * floor))
     forces, y = _carry(balance, kept, pressure, iterations)
-    store(state, balance, y, forces)
+    balance.put(state, y, forces)
     return forces
 
 
@@ -182,15 +186,3 @@ def increments(balance: Equilibrium, trial: Trial) -> tuple[Floats, Floats, Floa
             break
         normal, tangential, residual, moves = new_normal, new_tangential, new_residual, moves + y
     return normal, tangential, moves
-
-
-def store(state: State, balance: Equilibrium, y: Floats, forces: ContactForces) -> None:
-    """Positions, cell and history of ``state`` after the moves ``y``."""
-    near = balance.near
-    z = state.positions.view(complex)[:, 0] * balance.stretch(y) + balance.displacement(y)
-    state.positions = np.column_stack([z.real, z.imag])
-    state.cell = rectangle(near.sides * balance.scale * balance.stretch(y))
-    overlaps = np.maximum(balance.branches(y)[1], 0.0)
-    near.elongation[:] = balance.law.elongation(forces.tangential, overlaps)
-    state.history = near.history()
-    state.reached = None

@@ -12,7 +12,9 @@ from typing import Protocol, Self, TypeVar
 
 import numpy as np
 
+from dem.balance.bodies import wall_branches, with_walls
 from dem.model.history import History
+from dem.model.moving_walls import MovingWalls
 from dem.model.neighbour_list import Neighbours
 from dem.motion.neighbours import find_neighbours
 from dem.motion.state import State
@@ -76,6 +78,7 @@ def freed(place: M, near: Neighbours, bearing: np.ndarray, gap: float, rounding:
         return place
     rattles = np.ones(near.incidence.shape[0], bool)
     rattles[near.pairs[bearing]] = False
+    rattles[len(near.radii) :] = False
     for part in GAPS:
         there = evict(place, near, rattles, part * gap, DAMPING)
         overlap = unlisted(there)
@@ -100,23 +103,43 @@ class _Centres:
         return _Centres(self.z * (1 + strain) + displacement)
 
 
+@dataclass(frozen=True)
+class _BetweenWalls(_Centres):
+    """With walls after the grains, which stay."""
+
+    walls: MovingWalls
+
+    def branches(self, near: Neighbours) -> tuple[np.ndarray, Floats]:
+        i, j = near.columns
+        inner = j < len(self.z)
+        d = np.empty(len(i), complex)
+        d[inner] = self.z[j[inner]] - self.z[i[inner]] + near.shift[inner]
+        d[~inner] = wall_branches(near, self.walls, self.z)
+        return d, near.sigma - np.abs(d)
+
+    def moved(self, displacement: np.ndarray, strain: float) -> _BetweenWalls:
+        return _BetweenWalls(self.z + displacement[: len(self.z)], self.walls)
+
+
 def free_rattlers(state: State, near: Neighbours, bearing: np.ndarray, delta: float) -> None:
     """Move the rattlers of ``state`` until only pairs that are ``bearing`` overlap.
 
     Nothing is touched where that is so already; NoRoom when a rattler has none.
     """
     rounding = ROUNDING * np.finfo(float).eps * float(np.ptp(state.positions) + 1)
-    if not np.any(near.sigma[~bearing] - np.abs(near.branches(state)[~bearing]) > rounding):
+    z = state.positions.view(complex)[:, 0] * 1.0
+    place = _Centres(z) if state.walls is None else _BetweenWalls(z, state.walls)
+    if not np.any(place.branches(near)[1][~bearing] > rounding):
         return
     size = 2 * float(state.radii.mean())
-    around = find_neighbours(replace(state, history=History()), 0.1 * size)
+    around = with_walls(find_neighbours(replace(state, history=History()), 0.1 * size), state)
     known = {(*p, *m) for p, m in zip(*_listed(near, bearing), strict=True)}
     everything = np.ones(len(around.pairs), bool)
     still = np.array(
         [(*p, *m) in known for p, m in zip(*_listed(around, everything), strict=True)]
     )
     gap = min(delta, WIDEST_GAP) * size
-    place = freed(_Centres(around.origin), around, still, gap, rounding)
+    place = freed(place, around, still, gap, rounding)
     state.positions = np.column_stack([place.z.real, place.z.imag])
 
 

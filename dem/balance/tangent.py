@@ -24,11 +24,11 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from dem.balance.blocks import Border, GrainBlocks, Response
-from dem.balance.contact_forces import bearing_contacts
+from dem.balance.contact_forces import ContactForces, bearing_contacts
 from dem.balance.trial import Trial
 from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours
-from dem.model.rectangle import sides_of
+from dem.model.rectangle import rectangle
 from dem.motion.state import State
 from packing.arguments.arrays import Floats
 from packing.contacts.dissection import nested_dissection
@@ -41,19 +41,47 @@ class Equilibrium:
     """The force balance of one contact list as a function of the moves y ``(3N + 1,)``."""
 
     def __init__(self, state: State, near: Neighbours, law: ContactLaw, pressure: float) -> None:
-        assert state.cell is not None
         self.near, self.pressure = near, pressure
         self.law = law if law.linear else law.of(near.effective_radii)
-        self.count = len(state.radii)
+        self.count = self.bodies(state)
+        self.friction: Floats | float = law.friction
         self.rotates = law.friction > 0
         self.span = float(np.sqrt(self.count))  # ℓ, so that the cell's row is like a grain's
-        self.area = float(np.prod(sides_of(state.cell)))
+        self.area = float(np.prod(near.sides)) * near.scale(state) ** 2
         self.scale = near.scale(state)
-        self.start = near.branches(state)
+        self.start = self.starting_branches(state)
         self.overlap = np.maximum(near.sigma - np.abs(self.start), 0.0)
         deepest = float(self.overlap.max(initial=0.0))
         #: The unit κ of stiffness: that of the deepest contact.
         self.stiffness = float(law.slope(np.array([deepest]))[0])
+
+    def bodies(self, state: State) -> int:
+        """What balances: the grains."""
+        return len(state.radii)
+
+    def starting_branches(self, state: State) -> np.ndarray:
+        """Branches (complex) of the listed contacts where the grains are."""
+        return self.near.branches(state)
+
+    def bearing(self, bearing: np.ndarray) -> np.ndarray:
+        """Of contacts ``bearing`` those left when rattlers are taken off."""
+        return bearing_contacts(self.near, bearing, self.law, self.count)
+
+    def put(self, state: State, y: Floats, forces: ContactForces) -> None:
+        """Positions, cell and history of ``state`` after the moves ``y``."""
+        z = state.positions.view(complex)[:, 0] * self.stretch(y) + self.displacement(y)
+        state.positions = np.column_stack([z.real, z.imag])
+        state.cell = rectangle(self.near.sides * self.scale * self.stretch(y))
+        overlaps = np.maximum(self.branches(y)[1], 0.0)
+        self.near.elongation[:] = self.law.elongation(forces.tangential, overlaps)
+        state.history = self.near.history()
+        state.reached = None
+
+    def as_integrated(self) -> ContactForces:
+        """What time integration has left at the contacts."""
+        normal = self.law.force(self.overlap)
+        k_t = self.law.tangential_stiffness(self.overlap)
+        return ContactForces(normal, k_t * self.near.elongation, self.bearing(normal > 0))
 
     def trial(self, y: Floats) -> Trial:
         """Forces after the moves ``y``, history counted from the start."""
@@ -63,14 +91,14 @@ class Equilibrium:
         d, overlap, aside = self.branches(y)
         overlap = np.maximum(overlap, 0.0)
         pushing = law.force(overlap)
-        bearing = bearing_contacts(near, pushing > 0, law, count)
+        bearing = self.bearing(pushing > 0)
         normal = np.where(bearing, pushing, 0.0)
         k_t = law.tangential_stiffness(overlap)
         held = near.elongation
         if law.incremental:
             held = held * law.kept(self.overlap, overlap)
         sprung = k_t * (held + (aside - turn[i] - turn[j]))
-        cap = law.friction * normal
+        cap = self.friction * normal
         return Trial(
             near, y, d, overlap, normal, np.clip(sprung, -cap, cap),
             bearing, bearing & (np.abs(sprung) >= cap), self.span,
@@ -79,7 +107,7 @@ class Equilibrium:
 
     def without(self, trial: Trial, opened: np.ndarray) -> Trial:
         """``trial`` with the contacts ``opened`` bearing nothing, nor what falls with them."""
-        bearing = bearing_contacts(self.near, trial.bearing & ~opened, self.law, self.count)
+        bearing = self.bearing(trial.bearing & ~opened)
         return replace(
             trial,
             normal=np.where(bearing, trial.normal, 0.0),
@@ -115,7 +143,9 @@ class Equilibrium:
         sticks = trial.bearing & ~trial.sliding
         k_t = law.tangential_stiffness(trial.overlap)
         on_slip = np.where(sticks & self.rotates, k_t, 0.0)
-        slides = law.friction * np.sign(trial.tangential) * np.where(trial.sliding, on_normal, 0.0)
+        slides = (
+            self.friction * np.sign(trial.tangential) * np.where(trial.sliding, on_normal, 0.0)
+        )
         if law.incremental:
             slides = np.where(sticks, self._unloading(trial), slides)
         r = trial.r

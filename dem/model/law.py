@@ -158,6 +158,11 @@ def replace_contact(law: ContactLaw, contact: ElasticLaw) -> ContactLaw:
     return ContactLaw(friction=law.friction, dashpot=law.dashpot, contact=contact)
 
 
+def replace_friction(law: ContactLaw, friction: float) -> ContactLaw:
+    """``law`` with another Coulomb coefficient."""
+    return ContactLaw(friction=friction, dashpot=law.dashpot, contact=law.contact)
+
+
 def elastic_law(contact: object) -> ElasticLaw:
     """``contact``, if it is a law that any contact may follow; else ValueError."""
     if not is_law(contact):

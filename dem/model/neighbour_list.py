@@ -19,6 +19,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from dem.model.history import History
+from dem.model.moving_walls import WallList
 from packing.arguments.arrays import Floats
 from packing.arguments.arrays import Integers as Ints
 from packing.contact_law.between import effective_radii
@@ -39,7 +40,7 @@ class Neighbours:
     torque to both; ``columns (2, c)`` are the pairs again, contiguous for the kernels.  As they
     were at the build: lattice vector ``shift`` of each pair and positions ``origin``, both as
     x + iy, and the ``sides`` of the cell (0 without one).  ``radii`` are those of the grains, for
-    laws that depend on them.
+    laws that depend on them; ``walls`` the grains near walls, where there are any.
     """
 
     pairs: Ints
@@ -56,6 +57,7 @@ class Neighbours:
     smallest: float
     largest: float
     radii: Floats
+    walls: WallList | None = None
 
     def reach(self, scale: float) -> float:
         """The displacement max|u| up to which the list stays complete."""
@@ -97,7 +99,16 @@ class Neighbours:
     def history(self) -> History:
         """The elongations of the pairs that carry one."""
         held = self.elongation != 0
-        return History(self.pairs[held], self.images[held], self.elongation[held])
+        inner = History(self.pairs[held], self.images[held], self.elongation[held])
+        if self.walls is None:
+            return inner
+        held = self.walls.elongation != 0
+        pairs = self.walls.pairs(len(self.radii))[held]
+        return History(
+            np.concatenate([inner.pairs, pairs]),
+            np.concatenate([inner.images, np.zeros_like(pairs)]),
+            np.concatenate([inner.elongations, self.walls.elongation[held]]),
+        )
 
 
 def as_complex(vectors: Floats) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
+from dem.model.moving_walls import near_walls
 from dem.model.neighbour_list import Neighbours, as_complex
 from dem.model.rectangle import sides_of
 from dem.motion.state import State
@@ -44,9 +45,17 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
         e = int(np.argmin(distance))
         raise ValueError(f"grains {pairs[e, 0]} and {pairs[e, 1]} are at one place")
     near = distance < sigma + skin
+    if state.walls is not None:
+        glued = np.isin(np.arange(len(state.radii)), state.walls.glued(len(state.radii))[0])
+        near &= ~(glued[i] & glued[j])  # one rigid body, or walls that do not meet
     pairs, images, sigma, shift = pairs[near], images[near], sigma[near], shift[near]
     i, j = pairs.T
     count, edges = len(state.radii), np.arange(len(pairs))
+    walls = None
+    if state.walls is not None:
+        walls = near_walls(state.walls, state.positions, state.radii, skin)
+        at_walls = walls.pairs(count)
+        walls.elongation = state.history.on_list(at_walls, np.zeros_like(at_walls))
     ones = np.ones(len(pairs))
     shape = (count, len(pairs))
     ends = (np.r_[i, j], np.r_[edges, edges])
@@ -65,6 +74,7 @@ def find_neighbours(state: State, skin: float) -> Neighbours:
         smallest=2 * float(state.radii.min()),
         largest=2 * float(state.radii.max()),
         radii=state.radii,
+        walls=walls,
     )
 
 

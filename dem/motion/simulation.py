@@ -23,7 +23,8 @@ from dem.motion.neighbours import find_neighbours
 from dem.motion.reached import Reached
 from dem.motion.single_precision import check_single
 from dem.motion.state import State
-from dem.motion.views import motion_of, write_back
+from dem.motion.views import motion_of, outside_of, write_back
+from packing.arguments.arrays import Floats
 from packing.arguments.numbers import instance, positive_number, whole_number
 
 #: Time steps of one call, or of one relaxation: minutes for a few grains in Numba, hours in NumPy.
@@ -70,6 +71,8 @@ class Simulation:
             )
         if self.single:
             check_single(self.law, drive)
+            if self.state.walls is not None or drive.gravity:
+                raise ValueError("precision = 'float32' knows no walls and no weight")
 
     @property
     def reached(self) -> Reached:
@@ -89,6 +92,14 @@ class Simulation:
         """Largest net force, or torque over R, on a grain."""
         forces = self.reached.forces
         return float(max(np.abs(forces.pull).max(), np.abs(forces.twist).max()))
+
+    @property
+    def loads_borne(self) -> Floats:
+        """What pushes each wall along its normal ``(w,)``; ValueError where there is none."""
+        onto = self.reached.forces.onto
+        if onto is None:
+            raise ValueError("the state has no walls")
+        return onto
 
     @property
     def pressure(self) -> float:
@@ -112,7 +123,9 @@ class Simulation:
         near = self._list()
         if law.friction == 0:
             near.elongation[:] = 0.0
-        motion, listed = motion_of(state, near, self.single, controlled)
+            if near.walls is not None and self.state.walls is not None:
+                near.walls.elongation[:] = 0.0
+        motion, listed = self._motion(near, controlled)
         forces = self._forces_kept(motion, controlled)
         if forces is None:
             forces = kernel.contact_forces(motion, listed, law, 0.0)
@@ -126,11 +139,16 @@ class Simulation:
             if drifted:
                 write_back(state, motion, near, listed, controlled)
                 near = self._renewed()
-                motion, listed = motion_of(state, near, self.single, controlled)
+                motion, listed = self._motion(near, controlled)
         write_back(state, motion, near, listed, controlled)
         configuration = state.configuration()
         kept = {k: v.copy() if isinstance(v, np.ndarray) else v for k, v in configuration.items()}
         state.reached = Reached(forces, near, law, controlled, kept)
+
+    def _motion(self, near: Neighbours, controlled: bool) -> tuple[Motion, Neighbours]:
+        motion, listed = motion_of(self.state, near, self.single, controlled)
+        motion.outside = outside_of(self.state, near, self.law, self.drive.gravity)
+        return motion, listed
 
     def _list(self) -> Neighbours:
         """That of the steps before, if the grains are where they left them; else a new one."""
@@ -156,5 +174,8 @@ class Simulation:
         history, state.history = state.history, History()
         near = find_neighbours(state, self.skin)
         near.elongation = history.on_list(near.pairs, near.images, unwrapped=True)
+        if near.walls is not None:
+            pairs = near.walls.pairs(len(state.radii))
+            near.walls.elongation = history.on_list(pairs, np.zeros_like(pairs))
         state.history = history
         return near

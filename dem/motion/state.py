@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from dem.model.history import History
+from dem.model.moving_walls import MovingWalls
 from dem.model.rectangle import sides_of
 from dem.motion.reached import Reached
 from packing.arguments.arrays import Floats, real_array
@@ -49,6 +50,8 @@ class State:
         Rate e of the cell, 1/time.
     history : History
         Tangential springs of the contacts.
+    walls : MovingWalls, optional
+        Walls around the grains; (i, N + w) is the contact of grain i with wall w.
     reached : Reached, optional
         Left by ``step`` for the next one: forces and neighbour list.  Nothing to be given.
 
@@ -77,6 +80,7 @@ class State:
     cell: Floats | None = None
     strain_rate: float = 0.0
     history: History = field(default_factory=History)
+    walls: MovingWalls | None = None
     reached: Reached | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
@@ -94,7 +98,11 @@ class State:
         if self.cell is not None:
             self._check_cell()
         self.strain_rate = finite_number("strain_rate", self.strain_rate)
-        instance("history", self.history, History).check_grains(count, self.cell is not None)
+        bodies = count
+        if self.walls is not None:
+            instance("walls", self.walls, MovingWalls).walls.glued_grains(count)
+            bodies += len(self.walls.walls)
+        instance("history", self.history, History).check_grains(bodies, self.cell is not None)
         if self.reached is not None:
             self.reached = instance("reached", self.reached, Reached).without_list()
 
@@ -139,12 +147,18 @@ class State:
     def configuration(self) -> dict[str, Any]:
         """All that decides the forces, by name."""
         names = ("positions", "velocities", "spins", "radii", "cell", "strain_rate", "history")
-        return {name: getattr(self, name) for name in names}
+        found = {name: getattr(self, name) for name in names}
+        if self.walls is not None:
+            found |= {"offsets": self.walls.walls.offsets, "speeds": self.walls.speeds}
+        return found
 
     @property
     def mean_speed(self) -> float:
-        """Mean speed of the grains, or the strain rate of the cell if it moves faster."""
-        return float(max(np.linalg.norm(self.velocities, axis=1).mean(), abs(self.strain_rate)))
+        """Mean speed of the grains, or that of the cell or of a wall if it moves faster."""
+        others = [abs(self.strain_rate)]
+        if self.walls is not None:
+            others.append(float(np.abs(self.walls.speeds).max()))
+        return float(max(np.linalg.norm(self.velocities, axis=1).mean(), *others))
 
     @property
     def masses(self) -> Floats:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from dem.model.law import ContactLaw, replace_friction
+from dem.model.moving_walls import MovingWalls, WallList
 from dem.model.neighbour_list import Neighbours
 from dem.model.rectangle import rectangle
 from dem.motion.kernels.motion import Motion
+from dem.motion.kernels.outside import Outside
 from dem.motion.state import FURTHEST, State
+from packing.boundary import Walls
 
 
 def motion_of(
@@ -34,6 +38,37 @@ def motion_of(
     return motion, near.single()
 
 
+def outside_of(state: State, near: Neighbours, law: ContactLaw, gravity: float) -> Outside | None:
+    """Walls and weight as the kernels see them; None where there are neither."""
+    if state.walls is None and not gravity:
+        return None
+    count = len(state.radii)
+    moving = state.walls or MovingWalls(Walls(np.zeros((0, 2)), np.zeros(0)), np.zeros(0), 0.0)
+    listed = near.walls or WallList(*(np.zeros(0, np.int64),) * 2, *(np.zeros(0),) * 2)
+    stuck, stuck_to = moving.glued(count)
+    weight = np.zeros(0, complex)
+    if gravity:
+        weight = -1j * gravity * state.masses
+        weight[stuck] = 0.0
+    mine = replace_friction(law, moving.friction)
+    return Outside(
+        law=mine if law.linear else mine.of(listed.radii),
+        normals=moving.normals,
+        offsets=moving.walls.offsets.copy(),
+        speeds=moving.speeds.copy(),
+        per_mass=np.where(moving.free, 1 / moving.masses, 0.0),
+        load=np.where(moving.free, moving.walls.loads, 0.0),
+        grains=listed.grains,
+        walls=listed.walls,
+        radii=listed.radii,
+        elongation=listed.elongation,
+        start=listed.offsets,
+        stuck=stuck,
+        stuck_to=stuck_to,
+        weight=weight,
+    )
+
+
 def write_back(
     state: State, motion: Motion, near: Neighbours, listed: Neighbours, controlled: bool
 ) -> None:
@@ -50,6 +85,8 @@ def write_back(
     if controlled:
         state.strain_rate = motion.rate
         state.cell = rectangle(near.sides * motion.scale)
+    if state.walls is not None and motion.outside is not None:
+        state.walls = state.walls.moved(motion.outside.offsets, motion.outside.speeds)
     state.history = near.history()
 
 
@@ -71,6 +108,8 @@ def _refuse_lost(state: State, motion: Motion, near: Neighbours, listed: Neighbo
             raise FloatingPointError(f"grain {grain} {name}: the time step is too long")
     if not (np.all(np.isfinite(motion.s)) and np.all(np.isfinite(listed.elongation))):
         raise FloatingPointError("a grain spins without bounds: the time step is too long")
+    if motion.outside is not None and not np.isfinite(motion.outside.offsets).all():
+        raise FloatingPointError("a wall left the plane: the time step is too long")
     if not np.isfinite(motion.rate):
         raise FloatingPointError(
             f"the cell strains at a rate of {motion.rate}: the time step is too long"

@@ -37,7 +37,7 @@ def loose_state(scene: Scene, rng: np.random.Generator) -> State:
     Raises ValueError, before any work, when the cell is too narrow for the grains.
     """
     radii = draw_radii(scene, rng)
-    sides = _sides(radii, scene.aspect)
+    sides = sides_of_start(radii, scene.aspect)
     positions = rng.uniform(0, 1, (scene.grains, 2)) * sides
     if scene.grains >= STRIPS_FROM:
         positions = positions[along_strips(positions)]
@@ -63,11 +63,11 @@ def draw_radii(scene: Scene, rng: np.random.Generator) -> Floats:
     """
     radii = 0.5 * (1 + scene.polydispersity * rng.uniform(-1, 1, scene.grains))
     radii *= 0.5 / radii.mean()
-    _sides(radii, scene.aspect)
+    sides_of_start(radii, scene.aspect)
     return radii
 
 
-def _sides(radii: Floats, aspect: float) -> Floats:
+def sides_of_start(radii: Floats, aspect: float) -> Floats:
     """Width and height of the cell of the start."""
     largest = 2 * float(radii.max())
     sides = np.sqrt(np.pi * np.sum(radii**2) / LOOSE_FRACTION) * np.array(

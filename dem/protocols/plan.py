@@ -37,6 +37,12 @@ def check_noise(delta: float, settings: Settings) -> None:
         )
 
 
+def drive_of(scene: Scene, drag: float) -> Drive:
+    """What moves the grains of a scene: walls bear their loads themselves."""
+    pressure = scene.pressure if scene.confinement is None else None
+    return Drive(drag, pressure, scene.gravity)
+
+
 @dataclass(frozen=True)
 class Plan:
     """Law, drive, time step ``dt``, ``inertial`` time, and the most steps (``limit``)."""
@@ -54,7 +60,7 @@ class Plan:
         stiffness = scene.pressure / scene.delta
         dashpot = settings.dashpot * sqrt(float(np.pi * np.mean(radii) ** 2) * stiffness)
         law = ContactLaw(friction=scene.friction, dashpot=dashpot, contact=scene.law)
-        drive = Drive(drag=settings.drag / inertial, pressure=scene.pressure)
+        drive = drive_of(scene, settings.drag / inertial)
         if settings.precision == "float32":
             check_single(law, drive)
         kernel_of(settings.backend).refuse_law(law)

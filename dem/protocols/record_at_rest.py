@@ -10,6 +10,7 @@ from dem.motion.backends import resolve_backend
 from dem.motion.state import State
 from dem.scene import Scene
 from dem.settings import Settings
+from packing.arguments.arrays import Floats
 from packing.provenance import Provenance
 from packing.record import Packing
 from packing.version import __version__
@@ -29,7 +30,8 @@ def record_at_rest(
         images=near.images[bearing],
         normal_forces=forces.normal[bearing],
         tangential_forces=forces.tangential[bearing],
-        external=np.zeros((scene.grains, 3)),
+        external=_weight(scene, state),
+        walls=None if state.walls is None else state.walls.walls,
         stiffness=scene.pressure / scene.delta,
         pressure=scene.pressure,
         friction=scene.friction,
@@ -44,3 +46,13 @@ def record_at_rest(
         ),
     )
     return packing.noted(residual=float(packing.residuals().max()))
+
+
+def _weight(scene: Scene, state: State) -> Floats:
+    """(N, 3): -m g along y; what is glued to a wall is borne by it."""
+    external = np.zeros((len(state.radii), 3))
+    if scene.gravity:
+        external[:, 1] = -scene.gravity * state.masses
+        if state.walls is not None:
+            external[state.walls.glued(len(state.radii))[0]] = 0.0
+    return external

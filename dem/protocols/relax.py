@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from dem.balance.newton import PolishFailed
+from dem.protocols.loose_between_walls import loose_between_walls
 from dem.protocols.loose_gas import draw_radii, loose_state
 from dem.protocols.not_relaxed import NotRelaxed
 from dem.protocols.plan import Plan, check_noise
@@ -91,11 +92,17 @@ def relax(
 def _integrated(scene: Scene, seed: int, settings: Settings, progress: bool | None) -> Packing:
     radii = draw_radii(scene, np.random.default_rng(seed))
     Plan.of(scene, settings, radii)  # refuses before any work
-    state = loose_state(scene, np.random.default_rng(seed))
+    start = loose_state if scene.confinement is None else loose_between_walls
+    state = start(scene, np.random.default_rng(seed))
     return come_to_rest(state, scene, seed, settings, progress)
 
 
 def _continued(scene: Scene, seed: int, settings: Settings, progress: bool | None) -> Packing:
+    if scene.confinement is not None:
+        raise ValueError(
+            f"boundary = {scene.boundary!r}: packings with delta = {scene.delta:g}, below "
+            f"{CONTINUED_BELOW:g}, are continued, and that knows no walls"
+        )
     if not scene.is_linear:
         raise ValueError(
             f"contact = {scene.contact!r}: packings with delta = {scene.delta:g}, below "

@@ -12,12 +12,11 @@ import numpy as np
 from dem.balance.contact_forces import ContactForces
 from dem.balance.missed_contacts import NotThisPacking
 from dem.balance.newton import PolishFailed
-from dem.model.drive import Drive
 from dem.model.neighbour_list import Neighbours
 from dem.motion.simulation import Simulation
 from dem.motion.state import State
 from dem.protocols.not_relaxed import NotRelaxed
-from dem.protocols.plan import Plan
+from dem.protocols.plan import Plan, drive_of
 from dem.protocols.progress import RelaxationBar
 from dem.protocols.record_at_rest import record_at_rest
 from dem.protocols.settling import settle
@@ -96,8 +95,16 @@ class _Relaxation:
         advance(self.simulation, STRIDE, self.where)
         self.steps += STRIDE
         self.speed = self.simulation.state.mean_speed * self.plan.inertial
-        self.pressure_error = abs(self.simulation.pressure / self.scene.pressure - 1)
+        self.pressure_error = self._pressure_error()
         bar.show(self.steps, self.speed, self.pressure_error)
+
+    def _pressure_error(self) -> float:
+        """How far what presses is from being borne, relative to it."""
+        walls = self.simulation.state.walls
+        if walls is None:
+            return abs(self.simulation.pressure / self.scene.pressure - 1)
+        loads = walls.walls.loads[walls.free]
+        return float(np.abs(self.simulation.loads_borne[walls.free] / loads - 1).max())
 
     def rests(self) -> bool:
         """Slow enough, under the right pressure, and no polish failed not long ago."""
@@ -131,7 +138,7 @@ class _Relaxation:
         self.soonest = self.steps + STEPS_OF_ITERATION * failure.iterations
         self.again = self.steps + int(RETRY * self.plan.inertial / self.plan.dt)
         drag = TAIL_DRAG * self.settings.drag / self.plan.inertial
-        self.simulation.drive = Drive(drag, self.scene.pressure)
+        self.simulation.drive = drive_of(self.scene, drag)
         bar.failed(self.target)
 
     def restless(self) -> NotRelaxed:

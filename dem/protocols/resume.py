@@ -30,6 +30,8 @@ def check_resumable(packing: Packing, what: str) -> None:
     law = (packing.provenance.scene or {}).get("contact")
     if isinstance(law, dict):
         raise ValueError(f"the packing was made with contact = {law}: {what} knows linear springs")
+    if packing.walls is not None:
+        raise ValueError(f"{what} is for periodic packings; this one stands between walls")
     if packing.cell is None:
         raise ValueError(f"{what} is for periodic packings; this one has no cell")
     sides_of(packing.cell, f": {what} needs one")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dem.balance.contact_forces import ContactForces, forces_as_integrated
+from dem.balance.contact_forces import ContactForces
 from dem.balance.missed_contacts import NotThisPacking, refuse_missed_contacts
-from dem.balance.newton import PolishFailed, polish
+from dem.balance.newton import PolishFailed, polished
 from dem.balance.rattlers import NoRoom, free_rattlers
+from dem.balance.tangent import Equilibrium
+from dem.balance.walled import WalledEquilibrium
 from dem.model.neighbour_list import Neighbours
 from dem.motion.simulation import Simulation
 from dem.scene import Scene
@@ -21,12 +23,16 @@ def settle(
     """
     state, near, law = simulation.state, simulation.near, simulation.law
     failed: type[ArithmeticError] = PolishFailed if settings.polish else NotThisPacking
+    balance = Equilibrium(state, near, law, scene.pressure)
+    if scene.confinement is not None:
+        balance = WalledEquilibrium(state, near, law, scene.pressure, simulation.drive)
+        near = balance.near
     if settings.polish:
-        forces = polish(state, near, law, scene.pressure, settings.residual_tolerance)
+        forces = polished(balance, state, settings.residual_tolerance)
         if forces.residual > settings.residual_tolerance:
             raise PolishFailed(f"residual {forces.residual:.2e} p")
     else:
-        forces = forces_as_integrated(state, near, law)
+        forces = balance.as_integrated()
     refuse_missed_contacts(state, near)
     try:
         free_rattlers(state, near, forces.bearing, scene.delta)

@@ -17,8 +17,12 @@ from numba import njit
 from dem.model.drive import Drive
 from dem.model.law import ContactLaw
 from dem.model.neighbour_list import Neighbours
+from dem.motion.kernels import outside_loop
 from dem.motion.kernels.hertz_loop import hertz_forces
 from dem.motion.kernels.motion import Forces, Motion
+from dem.motion.kernels.outside_loop import no_act as _act
+from dem.motion.kernels.outside_loop import no_kick as _kick
+from dem.motion.kernels.outside_loop import no_shift as _shift
 from packing.contact_law import Hertz
 
 
@@ -71,6 +75,7 @@ def _advance(  # type: ignore[no-untyped-def]
     z, v, s, per_mass, total, area, scale, rate,
     i, j, shift, sigma, u, origin, skin, smallest, largest,
     k, kt, mu, dashpot, drag, pressure, controlled, dt, steps, drifted, pull, twist, virial,
+    outside,
 ):  # fmt: skip
     real = s.dtype.type
     tick = real(dt)  # the cell moves in float64, the grains in their own precision
@@ -86,12 +91,14 @@ def _advance(  # type: ignore[no-untyped-def]
                 z[g] = z[g] * grow + v[g] * tick
                 w = z[g] - size * origin[g]
                 far = max(far, w.real * w.real + w.imag * w.imag)
-            if reach <= 0.0 or far >= reach * reach:
+            strayed = _shift(dt, outside)
+            if reach <= 0.0 or far >= reach * reach or strayed >= reach * reach:
                 return done, True, scale, rate, virial
         drifted = False
         virial = _forces(
             z, v, s, scale, rate, i, j, shift, sigma, u, k, kt, mu, dashpot, tick, pull, twist
         )
+        _act(z, v, s, dt, pull, twist, outside)
         before = 0.0 if done == steps - 1 else 0.5 * dt
         fade = (1 - drag * before) / (1 + drag * 0.5 * dt)
         gain = (before + 0.5 * dt) / (1 + drag * 0.5 * dt)
@@ -102,25 +109,31 @@ def _advance(  # type: ignore[no-untyped-def]
         if mu > 0.0:
             for g in range(len(z)):
                 s[g] = s[g] * fading + turning * per_mass[g] * twist[g]
+        _kick(v, s, fade, gain, outside)
         if controlled:
             rate = fade * rate + gain * (virial - 2 * pressure * area * scale**2) / total
     return steps, False, scale, rate, virial
 
 
 @cache
-def _compiled(kept: bool, loop: Callable) -> dict[str, Callable]:
-    """The two loops compiled, with this ``loop`` over pairs; ``kept`` on disk for the next
-    process."""
+def _compiled(kept: bool, loop: Callable, confined: bool) -> dict[str, Callable]:
+    """The loops compiled, with this ``loop`` over pairs, and with what acts from outside if grains
+    are ``confined``; ``kept`` on disk for the next process."""
     compile_ = njit(cache=kept, error_model="numpy", fastmath={"contract"})
-    forces = compile_(loop)
-    advance = FunctionType(_advance.__code__, globals() | {"_forces": forces})
-    return {"forces": forces, "advance": compile_(advance)}
+    o = outside_loop
+    outside: tuple[Callable, ...] = (o.act, o.kick, o.shift)
+    if not confined:
+        outside = (_act, _kick, _shift)
+    names = ("_forces", "_act", "_kick", "_shift")
+    parts = {k: compile_(part) for k, part in zip(names, (loop, *outside), strict=True)}
+    advance = FunctionType(_advance.__code__, globals() | parts)
+    return {"forces": parts["_forces"], "act": parts["_act"], "advance": compile_(advance)}
 
 
 _keeps = True
 
 
-def _run(name: str, loop: Callable, *arguments: Any) -> Any:
+def _run(name: str, loop: Callable, confined: bool, *arguments: Any) -> Any:
     """Call a loop; where machine code cannot be kept, compile it in each process.
 
     That costs seconds and changes no number: a read-only package and no home, a full disk, a
@@ -130,10 +143,10 @@ def _run(name: str, loop: Callable, *arguments: Any) -> Any:
     global _keeps
     if _keeps:
         try:
-            return _compiled(True, loop)[name](*arguments)
+            return _compiled(True, loop, confined)[name](*arguments)
         except Exception:  # a damaged file can raise nearly anything
             _keeps = False
-    return _compiled(False, loop)[name](*arguments)
+    return _compiled(False, loop, confined)[name](*arguments)
 
 
 def refuse_law(law: ContactLaw) -> None:
@@ -170,12 +183,18 @@ def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> F
     pull, twist = np.empty_like(m.z), np.empty_like(m.s)
     i, j = half_words(near)
     loop, numbers = constants(m, near, law)
+    confined = m.outside is not None
     virial = _run(
-        "forces", loop,
+        "forces", loop, confined,
         m.z, m.v, m.s, m.scale, m.rate, i, j, near.shift, near.sigma, near.elongation,
         *numbers, m.s.dtype.type(dt), pull, twist,
     )  # fmt: skip
-    return Forces(pull, twist, float(virial))
+    found = Forces(pull, twist, float(virial))
+    if m.outside is not None:
+        found.onto = np.empty(len(m.outside.offsets))
+        outside = outside_loop.arrays_of(m.outside, found.onto)
+        _run("act", loop, confined, m.z, m.v, m.s, dt, pull, twist, outside)
+    return found
 
 
 def advance(
@@ -192,12 +211,17 @@ def advance(
     i, j = half_words(near)
     controlled = drive.pressure is not None
     loop, numbers = constants(m, near, law)
+    outside: tuple[Any, ...] = ()
+    if m.outside is not None:
+        onto = np.zeros(len(m.outside.offsets)) if forces.onto is None else forces.onto
+        forces.onto = onto
+        outside = outside_loop.arrays_of(m.outside, onto)
     done, drifted, m.scale, m.rate, virial = _run(
-        "advance", loop,
+        "advance", loop, bool(outside),
         m.z, m.v, m.s, 1 / m.mass, m.total, m.area, m.scale, m.rate,
         i, j, near.shift, near.sigma, near.elongation,
         near.origin, near.skin, near.smallest, near.largest,
         *numbers, drive.drag, drive.pressure or 0.0, controlled,
-        dt, steps, drifted, forces.pull, forces.twist, forces.virial,
+        dt, steps, drifted, forces.pull, forces.twist, forces.virial, outside,
     )  # fmt: skip
-    return done, drifted, Forces(forces.pull, forces.twist, virial)
+    return done, drifted, Forces(forces.pull, forces.twist, virial, forces.onto)

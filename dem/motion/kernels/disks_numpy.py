@@ -43,7 +43,10 @@ def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> F
         mine = law if law.linear else law.of(near.effective_radii[pairs])
         virial += _pair_forces(m, near, mine, dt, pairs, force[pairs], tangential[pairs])
     twist = near.adjacency @ tangential if law.friction else np.zeros_like(m.s)
-    return Forces(near.incidence @ force, twist, virial)
+    found = Forces(near.incidence @ force, twist, virial)
+    if m.outside is not None:
+        found.onto = m.outside.act(m.z, m.v, m.s, dt, found.pull, found.twist)
+    return found
 
 
 def _pair_forces(
@@ -96,6 +99,8 @@ def drift(m: Motion, dt: float, moving_cell: bool) -> None:
         m.z *= 1 + m.rate * dt
         m.scale *= 1 + m.rate * dt
     m.z += m.v * dt
+    if m.outside is not None:
+        m.outside.drift(dt)
 
 
 def kick(
@@ -109,6 +114,8 @@ def kick(
     if rotates:
         m.s *= fade
         m.s += 2 * gain * forces.twist / m.mass
+    if m.outside is not None and forces.onto is not None:
+        m.outside.kick(m.v, m.s, forces.onto, fade, gain)
     if drive.pressure is not None:
         excess = forces.virial - 2 * drive.pressure * m.area * m.scale**2
         m.rate = fade * m.rate + gain * excess / m.total
@@ -129,7 +136,10 @@ def advance(
     for done in range(steps):
         if not drifted:
             drift(m, dt, moving_cell)
-            if np.abs(m.z - m.scale * near.origin).max() >= near.reach(m.scale):
+            far = np.abs(m.z - m.scale * near.origin).max()
+            if m.outside is not None:
+                far = max(far, m.outside.strayed)
+            if far >= near.reach(m.scale):
                 return done, True, forces
         drifted = False
         forces = contact_forces(m, near, law, dt)

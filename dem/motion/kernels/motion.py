@@ -6,20 +6,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dem.motion.kernels.outside import Outside
 from packing.arguments.arrays import Floats
 
 
 @dataclass
 class Forces:
-    """Net forces ``pull`` (complex), Σ f_t ``twist`` per grain, and Σ f_n r ``virial``."""
+    """Net forces ``pull`` (complex), Σ f_t ``twist`` per grain, and Σ f_n r ``virial``; with walls
+    what pushes each of them along its normal, ``onto``."""
 
     pull: np.ndarray
     twist: Floats
     virial: float
+    onto: Floats | None = None
 
     def copy(self) -> Forces:
         """With arrays of its own, for a kernel to write on."""
-        return Forces(self.pull.copy(), self.twist.copy(), self.virial)
+        onto = None if self.onto is None else self.onto.copy()
+        return Forces(self.pull.copy(), self.twist.copy(), self.virial, onto)
 
 
 @dataclass
@@ -37,3 +41,4 @@ class Motion:
     area: float  # of the cell when scale = 1; 0 if there is none
     scale: float  # of the cell since the neighbour list was made
     rate: float
+    outside: Outside | None = None  # weight and walls
