@@ -122,7 +122,8 @@ class Walls(Immutable):
     def arrays(self) -> dict[str, Any]:
         """Its fields by name, for files; `walls_of` makes it again."""
         there = {f.name: getattr(self, f.name) for f in fields(self)}
-        return {PREFIX + name: a for name, a in there.items() if a is not None}
+        found = {PREFIX + name: a for name, a in there.items() if a is not None}
+        return found | {PREFIX + "spaced": int(self.spaced)}
 
     def moved(self, offsets: ArrayLike) -> Walls:
         """The same walls elsewhere."""
