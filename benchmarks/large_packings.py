@@ -41,7 +41,7 @@ def measure(case: Case) -> dict[str, float]:
     relax(Scene(16, 1e-2), 0, progress=False)  # what is compiled for the first is not timed
     grains, delta, seed = case
     module, spent, iterations = import_module("dem.protocols.settling"), [], []
-    polish = module.polish
+    polish = module.polished
 
     def timed(*arguments: Any) -> Any:
         begin = time.process_time()
@@ -56,7 +56,7 @@ def measure(case: Case) -> dict[str, float]:
             spent.append(time.process_time() - begin)
 
     begin = time.process_time()
-    with patch.object(module, "polish", timed):
+    with patch.object(module, "polished", timed):
         packing = relax(Scene(grains, delta), seed, progress=False)
     seconds = time.process_time() - begin
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

@@ -28,7 +28,7 @@ TABLE = np.dtype([
 def measure(grains: int, seed: int) -> tuple[Any, ...]:
     """One packing."""
     module, spent = import_module("dem.protocols.settling"), []
-    polish = module.polish
+    polish = module.polished
 
     def timed(*arguments: Any) -> Any:
         begin = time.process_time()
@@ -38,7 +38,7 @@ def measure(grains: int, seed: int) -> tuple[Any, ...]:
             spent.append(time.process_time() - begin)
 
     begin = time.process_time()
-    with patch.object(module, "polish", timed):
+    with patch.object(module, "polished", timed):
         p = relax(Scene(grains, DELTA), seed, progress=False)
     seconds = time.process_time() - begin
     return grains, seed, p.provenance.steps, len(spent), sum(spent), seconds - sum(spent)

@@ -128,8 +128,8 @@ SCALING = (
     Mutation(
         "torque: opposite on the second grain",
         "scaling/equation/balance.py",
-        "total = csr_array((np.ones(2 * c), (grain, contact)), shape=shape)",
-        "total = csr_array((np.repeat([1.0, -1.0], c), (grain, contact)), shape=shape)",
+        "turned = ends(network, 1.0)[active]",
+        "turned = ends(network, -1.0)[active]",
         EQUATION,
     ),
     Mutation(
@@ -142,13 +142,13 @@ SCALING = (
     Mutation(
         "closure: lattice vector left out",
         "scaling/equation/closure.py",
-        "self.Q @ network.sigma - Λ",
-        "self.Q @ network.sigma",
+        "self.Q @ network.sigma - np.concatenate([Λ, told])",
+        "self.Q @ network.sigma - np.concatenate([0 * Λ, told])",
         EQUATION,
     ),
     Mutation(
         "hyperstaticity: moment of an open component",
-        "scaling/equation/force_equation.py",
+        "scaling/equation/trivial_balances.py",
         "np.where(rank == 0, 3, 2)",
         "np.where(rank == 0, 2, 2)",
         EQUATION,

@@ -177,12 +177,12 @@ def test_a_contact_that_would_pull_is_opened(monkeypatch):
         opened.append(np.flatnonzero(pulls))
         return without(self, trial, pulls)
 
-    def store(state, balance, y, rest):
+    def store(balance, state, y, rest):
         raise Stored(rest)
 
     monkeypatch.setattr(polish_module, "LAG", np.inf)  # it would find the pull made up
     monkeypatch.setattr(polish_module, "increments", pulling)
-    monkeypatch.setattr(polish_module, "store", store)
+    monkeypatch.setattr(Equilibrium, "put", store)
     monkeypatch.setattr(Equilibrium, "without", remember)
     residuals = []
     for seed in range(1, 7):

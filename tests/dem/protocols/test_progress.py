@@ -73,7 +73,7 @@ def test_recorded_relaxations_fill_the_bar_at_their_end(capsys):
 def test_a_relaxation_fills_its_bar_at_its_end(monkeypatch, capsys, failures):
     """As the relaxation itself reports it, polishes that fail included."""
     shares, left = [], [failures]
-    polish = SETTLING.polish
+    polish = SETTLING.polished
 
     class Recorder(RelaxationBar):
         def show(self, step, speed, pressure_error=0.0):
@@ -91,7 +91,7 @@ def test_a_relaxation_fills_its_bar_at_its_end(monkeypatch, capsys, failures):
         return polish(*arguments)
 
     monkeypatch.setattr(RELAXATION, "RelaxationBar", Recorder)
-    monkeypatch.setattr(SETTLING, "polish", reluctant)
+    monkeypatch.setattr(SETTLING, "polished", reluctant)
     relax(Scene(24, 1e-3), 1, progress=True)
     assert np.all(np.diff(shares) >= 0)
     assert shares[-1] == 1

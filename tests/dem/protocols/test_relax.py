@@ -145,7 +145,7 @@ def test_not_relaxed_travels_between_processes():
         ({"stiffness_ratio": 0.0}, "stiffness_ratio = 0.0"),
         ({"aspect": -1.0}, "aspect = -1.0"),
         ({"contact": "hooke"}, "contact = 'hooke' is not built yet"),
-        ({"boundary": "walls"}, "boundary = 'walls' is not built yet"),
+        ({"boundary": "wall"}, "boundary = 'wall' is none of 'periodic', 'walls', 'box'"),
     ],
 )
 def test_bad_scene(arguments, message):
@@ -183,7 +183,7 @@ def test_box_too_narrow_for_its_grains():
 def steps_between_tries(monkeypatch, iterations: int) -> int:
     """Time steps between a polish that fails after so many iterations, and the next."""
     made, tries = [0], []
-    advance, polish = Simulation.advance, SETTLING.polish
+    advance, polish = Simulation.advance, SETTLING.polished
 
     def counted(simulation, n):
         made[0] += n
@@ -197,7 +197,7 @@ def steps_between_tries(monkeypatch, iterations: int) -> int:
 
     with monkeypatch.context() as patch:
         patch.setattr(Simulation, "advance", counted)
-        patch.setattr(SETTLING, "polish", reluctant)
+        patch.setattr(SETTLING, "polished", reluctant)
         relax(Scene(24, 1e-2), 1, progress=False)
     return tries[1] - tries[0]
 

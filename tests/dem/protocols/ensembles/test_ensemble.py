@@ -298,8 +298,9 @@ def test_a_new_field_at_its_default_empties_no_store():
     assert key.ALGORITHM == 8
     assert default == {
         "friction": 0.3, "polydispersity": 0.3, "stiffness_ratio": 0.5, "aspect": 1.0,
-        "contact": "linear", "boundary": "periodic", "dashpot": 0.0, "velocity_tolerance": None,
-        "residual_tolerance": 1e-9, "skin": 0.2, "polish": True, "longest": 3000.0,
+        "contact": "linear", "boundary": "periodic", "gravity": 0.0,
+        "dashpot": 0.0, "velocity_tolerance": None, "residual_tolerance": 1e-9,
+        "skin": 0.2, "polish": True, "longest": 3000.0,
         "backend": "auto", "precision": "float64",
     }  # fmt: skip
     assert (Settings().time_step, Settings().drag) == (0.8, 1.0)
