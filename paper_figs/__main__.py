@@ -16,7 +16,7 @@ from os.path import relpath
 from pathlib import Path
 from types import ModuleType
 
-from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7
+from paper_figs import fig1, fig2, fig3, fig4, fig5, fig6, fig7, fig8
 from paper_figs.pages import (
     dem_trade,
     floor,
@@ -26,6 +26,7 @@ from paper_figs.pages import (
     relaxation,
     ridge,
     rounding,
+    sandpile,
     solvers,
 )
 from paper_figs.style import write
@@ -41,9 +42,19 @@ def _by_name(*modules: ModuleType) -> dict[str, ModuleType]:
     return {module.__name__.rpartition(".")[2]: module for module in modules}
 
 
-FIGURES = _by_name(fig1, fig2, fig3, fig4, fig5, fig6, fig7)
+FIGURES = _by_name(fig1, fig2, fig3, fig4, fig5, fig6, fig7, fig8)
 PAGES = _by_name(
-    ladder, ridge, dem_trade, relaxation, floor, rounding, ramps, solvers, large_packings
+    ladder,
+    ridge,
+    dem_trade,
+    relaxation,
+    floor,
+    rounding,
+    ramps,
+    solvers,
+    large_packings,
+    sandpile,
+    sandpile,
 )
 NAMES = (*FIGURES, "table1", *PAGES)
 USUAL = (*FIGURES, "table1")

@@ -7,11 +7,16 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 
+def standard_error(values: np.ndarray) -> float:
+    """Of the mean: the standard deviation over the root of their number."""
+    return float(values.std(ddof=1) / np.sqrt(len(values)))
+
+
 def bar(values: np.ndarray) -> str:
     """Mean ± standard error, to three decimals or as many as the error needs."""
     if np.isnan(values).any():
         return ""
-    error = values.std(ddof=1) / np.sqrt(len(values))
+    error = standard_error(values)
     digits = 3 if error >= 5e-4 or error == 0 else int(np.ceil(-np.log10(2 * error)))
     return f"{values.mean():.{digits}f} ± {error:.{digits}f}"
 
@@ -20,7 +25,7 @@ def off(values: np.ndarray) -> str:
     """Mean over its standard error."""
     if np.isnan(values).any():
         return ""
-    return f"{values.mean() / (values.std(ddof=1) / np.sqrt(len(values))):+.1f}"
+    return f"{values.mean() / standard_error(values):+.1f}"
 
 
 def one_digit(error: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
 from os import cpu_count
 from pathlib import Path
@@ -73,9 +73,17 @@ def full(delta: float, k: int = 0) -> Packing:
     return one(FULL, delta, seed_of(delta, k))
 
 
-def make(scenes: Sequence[Scene], seeds: Sequence[int]) -> list[Packing]:
+def make(
+    scenes: Sequence[Scene],
+    seeds: Sequence[int],
+    backend: str = "auto",
+    executor: Executor | None = None,
+) -> list[Packing]:
     """Packings of any scenes, from the same store."""
-    return relax_ensemble(scenes, seeds, store=STORE, settings=Settings(), progress=False)
+    settings = Settings(backend=backend)
+    return relax_ensemble(
+        scenes, seeds, store=STORE, settings=settings, executor=executor, progress=False
+    )
 
 
 def cell_of(p: Packing) -> np.ndarray:

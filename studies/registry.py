@@ -17,7 +17,7 @@ import numpy as np
 from dem import Packing, Scene
 from studies import million_grains, of_figures
 from studies.estimators import bound, coverage, ladder, prior, ridge, sensitivity, stress
-from studies.experiment import floor, rounding, stiffness
+from studies.experiment import floor, rounding, sandpile, stiffness
 from studies.of_figures import Study
 from studies.packing_store import DELTAS, SEED, make
 from studies.packings import (
@@ -89,6 +89,13 @@ def _spheres(run: Run) -> None:
     run.write("hertz", table, grains=grains, noise_seed=SEED)
 
 
+def _sand(run: Run) -> None:
+    with run.pool() as pool:
+        table = sandpile.compute(run.edition, pool)
+    run.keep("sandpile", sandpile.text(table))
+    run.write("sandpile", table, **sandpile.facts(run.edition))
+
+
 def _pressures(run: Run) -> None:
     with run.pool() as pool:
         table = ramps.compute(pool, 1000 if run.full else 300, range(1, 9))
@@ -139,6 +146,6 @@ STUDIES: dict[str, Study] = {
     "stiffness": _lines("stiffness", stiffness.lines),
     "million_grains": _million,
     "dem_trade": _settings, "same_packing": _resting, "same_statistics": _ensembles,
-    "hertz": _spheres, "ramps": _pressures, "ramp_rates": _paces,
+    "hertz": _spheres, "sandpile": _sand, "ramps": _pressures, "ramp_rates": _paces,
     "continuation": _continued, "rounding": _rounded, "floor": _no_noise,
 }  # fmt: skip

@@ -67,12 +67,16 @@ def polished(balance: Equilibrium, state: State, tolerance: float = 1e-9) -> Con
     ``tolerance`` (in p) and round-off; the state is then as it was.
     """
     pressure = balance.pressure
-    # A sum of forces κ δ, δ the difference of lengths of order 1, is good to ~ κ ε.
-    floor = 10 * balance.stiffness * np.finfo(float).eps
+    floor = _rounding_of_sums(balance)
     kept, iterations = newton(balance, floor, max(tolerance * pressure, 100 * floor))
     forces, y = _carry(balance, kept, pressure, iterations)
     balance.put(state, y, forces)
     return forces
+
+
+def _rounding_of_sums(balance: Equilibrium) -> float:
+    """A sum of forces κ δ, δ the difference of lengths of order 1, is good to ~ κ ε."""
+    return float(10 * balance.stiffness * np.finfo(float).eps)
 
 
 def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]:
@@ -143,8 +147,11 @@ def _carry(
 ) -> tuple[ContactForces, Floats]:
     """Forces after the last increments, f + df(y), and the moves that hold them.
 
-    Contacts that would have to pull are opened, and the rest carried on without them.
+    Contacts that would have to pull are opened, and the rest carried on without them. Elastic
+    spheres that nothing presses never come to pull, since f_n ∝ δ^(3/2) has no slope at δ = 0:
+    theirs are opened once they are below the rounding of the sums of forces.
     """
+    faintest = _rounding_of_sums(balance) if balance.law.incremental else 0.0
     for _ in range(OPENINGS):
         normal, tangential, moves = increments(balance, trial)
         overlaps = balance.branches(moves)[1]
@@ -153,7 +160,7 @@ def _carry(
             raise PolishFailed(f"f_n - κ overlap is {lag / pressure:.2g} p: moves too long")
         if balance.law.incremental and (turned := _turned_back(balance, trial, overlaps)):
             raise PolishFailed(f"{turned} contacts turn from loading to unloading, or back")
-        pulls = trial.bearing & (normal < 0)
+        pulls = trial.bearing & (normal < faintest)
         if not pulls.any():
             residual = np.abs(trial.residual(normal, tangential)).max()
             worst = float(residual) / pressure

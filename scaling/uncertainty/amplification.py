@@ -27,6 +27,7 @@ from scaling.noise.conventions import check_noise
 from scaling.uncertainty.gain import gain
 from scaling.uncertainty.linear_response import dependence
 from scaling.uncertainty.relative_error import mean_force
+from scaling.uncertainty.tangent_slopes import tangent_slopes
 
 
 def amplification(
@@ -116,7 +117,7 @@ def _stress_scale(
     law = None if stiffness is None else law_of(stiffness)
     if law is None or isinstance(law, Linear | PerContact):
         return pressure
-    return float(np.mean(law.slope(law.overlap(normal)))) * law.delta(pressure)
+    return float(np.mean(tangent_slopes(law, normal))) * law.delta(pressure)
 
 
 def amplification_of(

@@ -17,6 +17,7 @@ from scaling.estimators.response import Response
 from scaling.estimators.table import linear_estimator, linear_names
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.noise.noise_model import NoiseModel
+from scaling.uncertainty.tangent_slopes import tangent_slopes
 
 _OF_SOLVING = ("xi", "normal_forces", "friction")
 """Options of linear estimators that errors do not depend on."""
@@ -102,7 +103,7 @@ def _tangent(
     if told.linear or forces is None or told.law is None:
         return told
     fn = forces[: equation.network.contacts]
-    return equation.with_law(PerContact(told.law.slope(told.law.overlap(fn))))
+    return equation.with_law(PerContact(tangent_slopes(told.law, fn)))
 
 
 def slope(network: ContactNetwork, forces: Floats) -> float:

@@ -19,7 +19,7 @@ from dem.settings import Settings
 from packing.arguments.numbers import instance, seed_number
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
-ALGORITHM = 8
+ALGORITHM = 9
 #: The same for packings with Δ < 1e-6, which are continued from 1e-6.
 CONTINUATION = 1
 #: Part of the key: how it is made; 1 had the fields at their defaults, too.

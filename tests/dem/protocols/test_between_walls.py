@@ -13,6 +13,7 @@ from dem.model.confinement import Box, Strip
 from dem.motion.neighbours import find_neighbours
 from dem.protocols.loose_between_walls import loose_between_walls
 from packing.record import Packing
+from studies.prefactors.worlds import scene
 from tests.scaling.worlds import WORLDS, packing_in
 
 EPS = np.finfo(float).eps
@@ -175,3 +176,12 @@ def test_grains_start_between_their_walls():
         assert len(near.walls.grains) == 0
         inside = state.positions[:60] @ state.walls.walls.normals.T
         assert (inside < state.walls.walls.offsets).all()
+
+
+@pytest.mark.parametrize("seed", [1, 2, 7])
+def test_elastic_spheres_that_nothing_presses_are_rattlers(seed):
+    """f_n ∝ δ^(3/2) never comes to pull: without the rule these three packings keep contacts of
+    1e-14 of the mean force, at which Eq. 1 is next to singular."""
+    p = relax(scene("frictional walls", "hertz", 0.3, 1e-2, 300), seed, progress=False)
+    assert p.normal_forces.min() > 1e-12 * p.normal_forces.mean()
+    assert p.residuals().max() < 1e-11
