@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from packing.arguments.arrays import Floats, Integers, real_array
 from packing.arguments.memory import refuse_beyond
-from packing.arguments.numbers import finite_number, instance
+from packing.arguments.numbers import finite_number, shown
 from packing.contacts import contact_list
 from packing.contacts.lattice import forward, reduced
 from packing.contacts.wall_search import StraightWalls, apart, opened, wall_contacts
@@ -88,7 +88,9 @@ def infer_contacts(
     x = real_array("positions", positions, (len(R), 2), "grain")
     threshold = finite_number("threshold", threshold)
     if walls is not None:
-        return _between_walls(x, R, threshold, cell, instance("walls", walls, StraightWalls))
+        if not isinstance(walls, StraightWalls):
+            raise ValueError(f"walls = {shown(walls)} are none: packing.boundary.Walls are")
+        return _between_walls(x, R, threshold, cell, walls)
     mean = 2 * float(R.mean())
     if threshold >= mean:
         raise ValueError(

@@ -42,7 +42,7 @@ def wall_contacts(
 def apart(walls: StraightWalls, pairs: Integers, grains: int) -> NDArray[np.bool_]:
     """(c,) whether a pair of grains is not one of two that are glued."""
     glued = walls.glued_grains(grains)[pairs] >= 0
-    return ~glued.all(axis=1)
+    return np.asarray(~np.all(glued, axis=1), dtype=bool)
 
 
 def opened(cell: ArrayLike | None, positions: Floats, reach: float) -> Floats | None:

@@ -223,7 +223,7 @@ def test_nothing_touches_across_walls():
     pairs, images = infer_contacts(x, R, cell=cell, walls=walls)
     assert pairs.tolist() == [[0, 2], [1, 3]]
     assert not images.any()
-    with pytest.raises(ValueError, match="walls = 7 is no StraightWalls"):
+    with pytest.raises(ValueError, match="walls = 7 are none"):
         infer_contacts(x, R, walls=7)
     with pytest.raises(ValueError, match=r"walls.glued has 1 grains, the packing 2"):
         infer_contacts(x, R, walls=Walls([[0, -1]], [0.0], glued=[0]))
