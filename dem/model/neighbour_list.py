@@ -99,16 +99,15 @@ class Neighbours:
     def history(self) -> History:
         """The elongations of the pairs that carry one."""
         held = self.elongation != 0
-        inner = History(self.pairs[held], self.images[held], self.elongation[held])
+        kept = self.pairs[held], self.images[held], self.elongation[held]
         if self.walls is None:
-            return inner
+            return History(*kept)
         held = self.walls.elongation != 0
         pairs = self.walls.pairs(len(self.radii))[held]
-        return History(
-            np.concatenate([inner.pairs, pairs]),
-            np.concatenate([inner.images, np.zeros_like(pairs)]),
-            np.concatenate([inner.elongations, self.walls.elongation[held]]),
-        )
+        more = pairs, np.zeros_like(pairs), self.walls.elongation[held]
+        all_ = [np.concatenate(both) for both in zip(kept, more, strict=True)]
+        order = np.argsort(all_[0][:, 0], kind="stable")  # by grain, walls last: as it is checked
+        return History(*(each[order] for each in all_))
 
 
 def as_complex(vectors: Floats) -> np.ndarray:

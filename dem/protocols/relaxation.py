@@ -152,6 +152,12 @@ class _Relaxation:
             double = (
                 "; precision = 'float64' rests where the noise of float32 does not let grains rest"
             )
+        if self.scene.gravity:
+            fall = self.scene.pressure / self.scene.gravity
+            double += (
+                f"; under gravity = {self.scene.gravity:g} a loose grain falls or rolls its "
+                f"diameter in {fall:.3g} inertial times"
+            )
         return NotRelaxed(
             f"{self.where}mean speed {self.speed:.2e} √(p/ρ) "
             f"after {self.steps} steps, wanted {settings.speed:.0e}; largest force or torque "

@@ -8,6 +8,7 @@ that are glued to it (a rough wall) move with it and have no balance of their ow
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -127,7 +128,10 @@ class Walls(Immutable):
 
     def moved(self, offsets: ArrayLike) -> Walls:
         """The same walls elsewhere."""
-        return Walls(self.normals, np.asarray(offsets), self.loads, self.glued, self.spaced)
+        there = copy(self)
+        found = real_array("walls.offsets", offsets, (len(self),), "wall")
+        object.__setattr__(there, "offsets", frozen(found))
+        return there
 
 
 def walls_of(arrays: dict[str, Any]) -> tuple[dict[str, Any], Walls | None]:

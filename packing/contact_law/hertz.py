@@ -110,3 +110,6 @@ class _OfContacts(Hertz):
     def strength(self) -> Floats | float:
         """κ √(4R), (c,)."""
         return self.strengths
+
+    def __repr__(self) -> str:
+        return f"{Hertz(self.stiffness, self.poisson)!r} of {np.size(self.strengths)} contacts"

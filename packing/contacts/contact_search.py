@@ -16,9 +16,10 @@ from scipy.spatial import cKDTree
 
 from packing.arguments.arrays import Floats, Integers, real_array
 from packing.arguments.memory import refuse_beyond
-from packing.arguments.numbers import finite_number
+from packing.arguments.numbers import finite_number, shown
 from packing.contacts import contact_list
 from packing.contacts.lattice import forward, reduced
+from packing.contacts.wall_search import StraightWalls, apart, opened, wall_contacts
 
 _PER_PAIR = 200
 """Bytes for a pair within reach: what the tree returns, its image, and what is made of them."""
@@ -35,6 +36,7 @@ def infer_contacts(
     threshold: float = 0.0,
     *,
     cell: ArrayLike | None = None,
+    walls: StraightWalls | None = None,
 ) -> tuple[Integers, Integers]:
     """All pairs of grains whose gap r - σ is below a threshold, ready for `ContactNetwork`.
 
@@ -48,11 +50,15 @@ def infer_contacts(
         Length below which a gap counts as a contact; negative for overlaps only above some size.
     cell : (2, 2) array, optional
         Lattice vectors as rows; without it the packing is open.
+    walls : packing.boundary.Walls, optional
+        Walls around it, which are touched, too; between them nothing crosses the second lattice
+        vector. Grains glued to a wall touch neither it nor each other, and it is felt through
+        them alone.
 
     Returns
     -------
     pairs : (c, 2) array of int
-        Grains i <= j of each contact, ordered.
+        Grains i <= j of each contact, ordered; then (i, N + w) where grain i touches wall w.
     images : (c, 2) array of int
         Which image of grain j touches grain i; zero without a cell. Contacts of a grain with
         its own images are named once, by that with a positive first non-zero entry.
@@ -81,6 +87,10 @@ def infer_contacts(
     R = contact_list.radii_of_grains(radii)
     x = real_array("positions", positions, (len(R), 2), "grain")
     threshold = finite_number("threshold", threshold)
+    if walls is not None:
+        if not isinstance(walls, StraightWalls):
+            raise ValueError(f"walls = {shown(walls)} are none: packing.boundary.Walls are")
+        return _between_walls(x, R, threshold, cell, walls)
     mean = 2 * float(R.mean())
     if threshold >= mean:
         raise ValueError(
@@ -116,6 +126,20 @@ def infer_contacts(
     order = np.lexsort((images[:, 1], images[:, 0], j, i))
     pairs = np.column_stack([i, j])[order].astype(np.int64)
     return pairs, images[order].astype(np.int64)
+
+
+def _between_walls(
+    x: Floats, R: Floats, threshold: float, cell: ArrayLike | None, walls: StraightWalls
+) -> tuple[Integers, Integers]:
+    """As `infer_contacts`; those with walls are the last, and have no image."""
+    reach = 2 * float(R.max()) + abs(threshold)
+    pairs, images = infer_contacts(x, R, threshold, cell=opened(cell, x, reach))
+    kept = apart(walls, pairs, len(R))
+    at_walls = wall_contacts(walls, x, R, threshold)
+    return (
+        np.concatenate([pairs[kept], at_walls]),
+        np.concatenate([images[kept], np.zeros_like(at_walls)]),
+    )
 
 
 def _refuse_far_images(

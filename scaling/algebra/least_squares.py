@@ -49,12 +49,15 @@ class LeastSquares:
     """min |matrix f - b|, prepared once for any number of right-hand sides.
 
     `places` (n, 2) of the unknowns, if they have any, make large ones faster:
-    `scaling.algebra.elimination`.
+    `scaling.algebra.elimination`. `cause` is the likely one, where it is known, of a rank too low.
     """
 
-    def __init__(self, matrix: csr_array, name: str, places: Floats | None = None) -> None:
+    def __init__(
+        self, matrix: csr_array, name: str, places: Floats | None = None, cause: str = ""
+    ) -> None:
         self.matrix = matrix
         self.name = name
+        self._cause = cause
         self._dense = Dense(matrix)
         self._factor = SparseFactor(matrix, places)
         self._iterative = Iterative(matrix, name)
@@ -151,6 +154,7 @@ class LeastSquares:
         cause = "directions as regular as a lattice's, or triangles only (Z = 6 on a torus)"
         if rows < self.unknowns:
             cause = f"only {rows} rows for {self.unknowns} unknowns"
+        cause = self._cause or cause
         raise ValueError(
             f"{self.name} is rank-deficient: rank {rank} of {self.unknowns} unknowns, "
             f"null space of dimension {self.unknowns - rank}; likely cause: {cause}"

@@ -19,6 +19,7 @@ from packing.arguments.immutable import Immutable, read_only
 from scaling.algebra.least_squares import LeastSquares
 from scaling.equation.balance import Balance, balance
 from scaling.equation.closure import Closure, closure
+from scaling.geometry.bodies import unspaced_grains
 from scaling.geometry.contact_network import ContactNetwork
 from scaling.geometry.topology.loops import Loops
 
@@ -97,7 +98,8 @@ class Matrices(Immutable):
     @cached_property
     def system(self) -> LeastSquares:
         """Least squares with G."""
-        return LeastSquares(self.G, "the GPPSZ equation", self.places)
+        cause = unspaced_grains(self.closing.network)
+        return LeastSquares(self.G, "the GPPSZ equation", self.places, cause)
 
 
 def matrices(

@@ -12,12 +12,12 @@ from scaling.geometry.contact_network import ContactNetwork
 
 
 def to_pressure(network: ContactNetwork, forces: ArrayLike, pressure: float) -> Floats:
-    """`forces` times the factor that makes Σ f_n r = 2 p A of a periodic cell.
+    """`forces` times the factor that makes Σ f_n r = 2 p A of a periodic cell, or between walls.
 
     Parameters
     ----------
     network : ContactNetwork
-        A periodic one without loads
+        A periodic one without loads, or one between walls that enclose it
     forces : array_like
         (2c,) f_n then f_t, or (c,) f_n alone
     pressure : float
@@ -50,7 +50,7 @@ def to_pressure(network: ContactNetwork, forces: ArrayLike, pressure: float) -> 
     instance("network", network, ContactNetwork)
     pressure = positive_number("pressure", pressure)
     f, _ = contact_list.forces(forces, network.contacts)
-    if network.cell is None:
+    if network.cell is None and network.walls is None:
         raise ValueError("pressure needs a periodic cell: loads fix the scale of an open network")
     target = virial_of(network, pressure)
     virial = float(f[: network.contacts] @ network.distances)

@@ -74,3 +74,21 @@ def held_components(network: NetworkData) -> Integers:
     at_wall = network.pairs[network.inner :, 0]
     stuck = np.flatnonzero((glued_to(network) != FREE) & (network.degrees > 0))
     return np.unique(component[np.concatenate([at_wall, stuck])])
+
+
+def unspaced_grains(network: NetworkData) -> str:
+    """Names the walls with several grains in contact that are glued to them at places unknown, so
+    that no loop closes between these; "" if there are none."""
+    walls = network.walls
+    if walls is None or walls.spaced:
+        return ""
+    bearing = glued_to(network)[network.degrees > 0]
+    counts = np.bincount(bearing[bearing != FREE], minlength=len(walls))
+    several = np.flatnonzero(counts > 1)
+    if not len(several):
+        return ""
+    w = several[0]
+    return (
+        f"the {counts[w]} grains glued to wall {w} that bear force have no known relative "
+        "positions, so that no loop closes between them: tell them, Walls(spaced=True)"
+    )

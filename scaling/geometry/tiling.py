@@ -55,10 +55,10 @@ def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
     """
     instance("network", network, ContactNetwork)
     n = whole_number("copies", copies, 1)
-    if network.cell is None:
-        raise ValueError("an open network cannot be tiled: it has no cell")
     if network.walls is not None:
         raise ValueError("a network between walls cannot be tiled: they would stand in the way")
+    if network.cell is None:
+        raise ValueError("an open network cannot be tiled: it has no cell")
     if network.positions is None:
         raise ValueError("tiling needs positions: this network has directions only")
     _refuse_too_many(n, network.grains, network.contacts)

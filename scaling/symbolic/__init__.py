@@ -4,6 +4,7 @@
     triangle() ...         small networks with exact M, Q, G; `table()` of ranks and squared gains
     perturbation_steps()   noise in sizes and positions to second order
     common_mode_steps()    a factor common to all sizes
+    wall_steps()           walls, and corner() ... small networks between them
     inputs.hertz, loops.hertz_series   contact laws beyond linear order
     numeric.lambdify       the one way to NumPy
 
@@ -27,14 +28,22 @@ from scaling.symbolic.loops.named_networks import bowtie, rhombus, ring, square,
 from scaling.symbolic.loops.symbolic_network import SymbolicNetwork
 from scaling.symbolic.loops.table import table
 from scaling.symbolic.loops.wheel_waves import wheel_squared_gain
+from scaling.symbolic.walls.by_hand import bridge, column, corner, heap, slit
+from scaling.symbolic.walls.wall_steps import wall_steps
+from scaling.symbolic.walls.walled_network import WalledNetwork
 
 __all__ = [
     "Step",
     "SymbolicNetwork",
+    "WalledNetwork",
     "bowtie",
     "bowtie_gain",
+    "bridge",
+    "column",
     "common_mode_steps",
+    "corner",
     "derivation",
+    "heap",
     "loop_gaps",
     "null_space",
     "perturbation_steps",
@@ -44,12 +53,14 @@ __all__ = [
     "rhombus_gain",
     "ring",
     "ring_squared_gain",
+    "slit",
     "square",
     "square_gain",
     "squared_gain",
     "table",
     "triangle",
     "triangle_gain",
+    "wall_steps",
     "wheel",
     "wheel_squared_gain",
 ]

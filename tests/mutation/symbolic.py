@@ -8,9 +8,24 @@ LAWS = ("tests/scaling/symbolic/inputs/test_contact_law.py",)
 BALANCE = ("tests/scaling/symbolic/inputs/test_equilibrium.py",)
 COMMON = ("tests/scaling/symbolic/argument/test_common_mode.py",)
 ORDERS = ("tests/scaling/symbolic/argument/test_perturbation.py",)
+WALLS = ("tests/scaling/symbolic/walls/test_by_hand.py",)
 GAINS = ("tests/scaling/symbolic/loops/test_gain.py",)
 
 SYMBOLIC = (
+    Mutation(
+        "walls: a way along the wall for the one across",
+        "scaling/symbolic/walls/walled_network.py",
+        "rows.append(n[0] * both[0, :] + n[1] * both[1, :])",
+        "rows.append(n[0] * both[1, :] - n[1] * both[0, :])",
+        WALLS,
+    ),
+    Mutation(
+        "walls: a free wall that is pushed along itself",
+        "scaling/symbolic/walls/walled_network.py",
+        "n[0] * full[f, :] + n[1] * full[bodies + f, :] for f in on",
+        "n[0] * full[bodies + f, :] + n[1] * full[f, :] for f in on",
+        WALLS,
+    ),
     Mutation(
         "law: overlap with the exponent of the force",
         "scaling/symbolic/inputs/contact_law.py",

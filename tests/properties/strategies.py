@@ -1,7 +1,9 @@
 """Packings as hypothesis draws them, named by their physics.
 
 ``clusters`` are grown disk by disk and shrink to three touching disks, a triangle;
-``scenes`` are small DEM packings, cached, and shrink to the fewest grains a cell can hold.
+``scenes`` are small DEM packings, cached, and shrink to the fewest grains a cell can hold;
+``worlds`` are such packings in a periodic cell, between walls, or under their weight, of linear
+springs or of elastic spheres, and shrink to a periodic cell of linear springs.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from dem import Packing
 from scaling import ContactNetwork
 from tests.conftest import packing
 from tests.scaling.networks import Truth, loaded
+from tests.scaling.worlds import WORLDS, packing_in
 
 DELTAS = (1e-2, 1e-1, 1e-3, 1e-4, 1e-5)
 GRAINS, SEEDS = (20, 26, 36, 48), 5
@@ -36,6 +39,18 @@ def scenes(draw: st.DrawFn) -> dict:
 def packings(draw: st.DrawFn) -> Packing:
     """A relaxed periodic packing of 20 to 48 disks."""
     return packing(delta=draw(st.sampled_from(DELTAS)), **draw(scenes()))
+
+
+@st.composite
+def worlds(draw: st.DrawFn, laws: tuple[str, ...] = ("linear", "hertz")) -> Packing:
+    """A relaxed packing of 30 disks in any of the worlds, μ = 0.3."""
+    return packing_in(
+        draw(st.sampled_from(tuple(WORLDS))),
+        draw(st.sampled_from((1e-2, 1e-3, 1e-4))),
+        draw(st.sampled_from(laws)),
+        draw(st.integers(1, 2)),
+        grains=30,
+    )
 
 
 @st.composite

@@ -25,12 +25,14 @@ WORLDS = {
 
 
 @cache
-def packing_in(world: str, delta: float = 1e-3, contact: str = "linear", seed: int = 1) -> Packing:
-    """100 grains, μ = 0.3."""
+def packing_in(
+    world: str, delta: float = 1e-3, contact: str = "linear", seed: int = 1, grains: int = 100
+) -> Packing:
+    """μ = 0.3; the weight of ten grains is the pressure, or of as many as at Δ = 1e-3."""
     more = dict(WORLDS[world])
-    if contact == "hertz" and "gravity" in more:
-        more["gravity"] *= float(delta**0.5)
-    return relax(Scene(100, delta, contact=contact, **more), seed, progress=False)
+    if "gravity" in more:
+        more["gravity"] *= delta / 1e-3 * (float(delta**0.5) if contact == "hertz" else 1.0)
+    return relax(Scene(grains, delta, contact=contact, **more), seed, progress=False)
 
 
 def walled_box(loads=None) -> tuple[ContactNetwork, np.ndarray, np.ndarray]:

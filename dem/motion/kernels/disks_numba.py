@@ -22,7 +22,9 @@ from dem.motion.kernels.hertz_loop import hertz_forces
 from dem.motion.kernels.motion import Forces, Motion
 from dem.motion.kernels.outside_loop import no_act as _act
 from dem.motion.kernels.outside_loop import no_kick as _kick
+from dem.motion.kernels.outside_loop import no_push as _push
 from dem.motion.kernels.outside_loop import no_shift as _shift
+from dem.motion.kernels.outside_loop import no_weigh as _weigh
 from packing.contact_law import Hertz
 
 
@@ -104,14 +106,14 @@ def _advance(  # type: ignore[no-untyped-def]
         gain = (before + 0.5 * dt) / (1 + drag * 0.5 * dt)
         fading, push = real(fade), real(gain)
         turning = real(2.0) * push
-        for g in range(len(z)):
-            v[g] = v[g] * fading + push * per_mass[g] * pull[g]
+        _push(v, per_mass, pull, fading, push, outside)
         if mu > 0.0:
             for g in range(len(z)):
                 s[g] = s[g] * fading + turning * per_mass[g] * twist[g]
         _kick(v, s, fade, gain, outside)
         if controlled:
             rate = fade * rate + gain * (virial - 2 * pressure * area * scale**2) / total
+    _weigh(pull, outside)
     return steps, False, scale, rate, virial
 
 
@@ -121,13 +123,14 @@ def _compiled(kept: bool, loop: Callable, confined: bool) -> dict[str, Callable]
     are ``confined``; ``kept`` on disk for the next process."""
     compile_ = njit(cache=kept, error_model="numpy", fastmath={"contract"})
     o = outside_loop
-    outside: tuple[Callable, ...] = (o.act, o.kick, o.shift)
+    outside: tuple[Callable, ...] = (o.act, o.kick, o.push, o.shift, o.weigh)
     if not confined:
-        outside = (_act, _kick, _shift)
-    names = ("_forces", "_act", "_kick", "_shift")
+        outside = (_act, _kick, _push, _shift, _weigh)
+    names = ("_forces", "_act", "_kick", "_push", "_shift", "_weigh")
     parts = {k: compile_(part) for k, part in zip(names, (loop, *outside), strict=True)}
     advance = FunctionType(_advance.__code__, globals() | parts)
-    return {"forces": parts["_forces"], "act": parts["_act"], "advance": compile_(advance)}
+    first = {"forces": parts["_forces"], "act": parts["_act"], "weigh": parts["_weigh"]}
+    return first | {"advance": compile_(advance)}
 
 
 _keeps = True
@@ -192,8 +195,9 @@ def contact_forces(m: Motion, near: Neighbours, law: ContactLaw, dt: float) -> F
     found = Forces(pull, twist, float(virial))
     if m.outside is not None:
         found.onto = np.empty(len(m.outside.offsets))
-        outside = outside_loop.arrays_of(m.outside, found.onto)
+        outside = outside_loop.arrays_of(m.outside, found.onto, 0.0)
         _run("act", loop, confined, m.z, m.v, m.s, dt, pull, twist, outside)
+        _run("weigh", loop, confined, pull, outside)
     return found
 
 
@@ -215,7 +219,7 @@ def advance(
     if m.outside is not None:
         onto = np.zeros(len(m.outside.offsets)) if forces.onto is None else forces.onto
         forces.onto = onto
-        outside = outside_loop.arrays_of(m.outside, onto)
+        outside = outside_loop.arrays_of(m.outside, onto, drive.gravity)
     done, drifted, m.scale, m.rate, virial = _run(
         "advance", loop, bool(outside),
         m.z, m.v, m.s, 1 / m.mass, m.total, m.area, m.scale, m.rate,

@@ -9,6 +9,7 @@ to it what acts on them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -45,6 +46,13 @@ class Outside:
         """The furthest that a wall has moved since the list was made."""
         return float(np.abs(self.offsets - self.start).max(initial=0.0))
 
+    @cached_property
+    def once(self) -> list[Integers]:
+        """The contacts in parts in which no grain occurs twice: a second is that of a corner."""
+        first = np.searchsorted(self.grains, self.grains)
+        rank = np.arange(len(self.grains)) - first
+        return [np.flatnonzero(rank == k) for k in range(int(rank.max(initial=-1)) + 1)]
+
     def drift(self, dt: float) -> None:
         """The walls move on."""
         self.offsets += self.speeds * dt
@@ -60,8 +68,10 @@ class Outside:
         if len(g):
             n = self.normals[w]
             normal, tangential = self._contacts(z[g], v[g], s[g], n, dt)
-            np.add.at(pull, g, (-normal + 1j * tangential) * n)
-            np.add.at(twist, g, tangential)
+            force = (-normal + 1j * tangential) * n
+            for some in self.once:
+                pull[g[some]] += force[some]
+                twist[g[some]] += tangential[some]
             onto += np.bincount(w, normal, len(onto))
         if len(self.stuck):
             along = (pull[self.stuck] * self.normals[self.stuck_to].conj()).real

@@ -1,6 +1,8 @@
 """The compiled twin of ``outside``: weight and walls, one contact at a time.
 
-A scene without them runs the three functions ``no_...``, which cost nothing.
+Between two looks weight is an acceleration, the same for all, and added where velocities are: an
+array of weights would have to be read in every step, which at a thousand grains costs a tenth of
+it. A scene without walls and weight runs the functions ``no_...``, which cost nothing.
 """
 
 from __future__ import annotations
@@ -14,11 +16,9 @@ from packing.contact_law import Hertz
 
 
 def act(z, v, s, dt, pull, twist, o):  # type: ignore[no-untyped-def]
-    """As ``Outside.act``; ``onto`` is filled."""
-    n, offsets, speeds, _, _, grains, walls, radii, u, _, stuck, stuck_to, weight, onto = o[:14]
-    hertz, k, kt, mu, dashpot = o[14:]
-    for g in range(len(weight)):
-        pull[g] += weight[g]
+    """As ``Outside.act`` without the weight, see ``weigh``; ``onto`` is filled."""
+    n, offsets, speeds, _, _, grains, walls, radii, u, _, stuck, stuck_to, _, onto = o[:14]
+    hertz, k, kt, mu, dashpot, _ = o[14:]
     onto[:] = 0.0
     for e in range(len(grains)):
         g, w = grains[e], walls[e]
@@ -54,6 +54,20 @@ def act(z, v, s, dt, pull, twist, o):  # type: ignore[no-untyped-def]
         twist[g] = 0.0
 
 
+def weigh(pull, o):  # type: ignore[no-untyped-def]
+    """Add the weight to forces that are handed on."""
+    weight = o[12]
+    for g in range(len(weight)):
+        pull[g] += weight[g]
+
+
+def push(v, per_mass, pull, fade, gain, o):  # type: ignore[no-untyped-def]
+    """Velocities of grains, under their weight."""
+    fall = complex(0.0, -gain * o[19])
+    for g in range(len(v)):
+        v[g] = v[g] * fade + (gain * per_mass[g] * pull[g] + fall)
+
+
 def kick(v, s, fade, gain, o):  # type: ignore[no-untyped-def]
     """As ``Outside.kick``."""
     n, _, speeds, per_mass, load, _, _, _, _, _, stuck, stuck_to, _, onto = o[:14]
@@ -74,6 +88,16 @@ def shift(dt, o):  # type: ignore[no-untyped-def]
     return far
 
 
+def no_push(v, per_mass, pull, fade, gain, o):  # type: ignore[no-untyped-def]
+    """Velocities of grains."""
+    for g in range(len(v)):
+        v[g] = v[g] * fade + gain * per_mass[g] * pull[g]
+
+
+def no_weigh(pull, o):  # type: ignore[no-untyped-def]
+    """Nothing weighs."""
+
+
 def no_act(z, v, s, dt, pull, twist, o):  # type: ignore[no-untyped-def]
     """Nothing acts."""
 
@@ -87,7 +111,7 @@ def no_shift(dt, o):  # type: ignore[no-untyped-def]
     return 0.0
 
 
-def arrays_of(outside: Outside, onto: np.ndarray) -> tuple[Any, ...]:
+def arrays_of(outside: Outside, onto: np.ndarray, gravity: float) -> tuple[Any, ...]:
     """What the loops are given; ``onto`` is theirs to fill."""
     law, o = outside.law, outside
     if isinstance(law.contact, Hertz):
@@ -99,4 +123,5 @@ def arrays_of(outside: Outside, onto: np.ndarray) -> tuple[Any, ...]:
         o.normals, o.offsets, o.speeds, o.per_mass, o.load, o.grains, o.walls, o.radii,
         o.elongation, o.start, o.stuck, o.stuck_to, o.weight, onto,
         hertz, np.ascontiguousarray(k, float), float(kt), law.friction, law.dashpot,
+        gravity,
     )  # fmt: skip

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.sparse import block_array, csc_array, csr_array, diags_array, eye_array, vstack
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from packing.arguments.arrays import Floats, Integers
 from scaling.algebra.elimination import Factor
@@ -83,14 +83,21 @@ def _order(task: Program, met: Integers) -> Integers | None:
 
 def _solved(K: csc_array, right: Floats, order: Integers | None) -> Floats:
     """K⁻¹ of the columns of `right`: pivoted where no order is known, or the order is not good."""
-    if order is not None:
-        lu = splu(
-            csc_array(K[order][:, order]), permc_spec="NATURAL", diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )  # fmt: skip
+    lu = None if order is None else _unpivoted(csc_array(K[order][:, order]))
+    if order is not None and lu is not None:
         factor, found = Factor(lu, order), np.zeros_like(right)
         for _ in range(1 + REFINEMENTS):
             found += factor.solve(right - K @ found)
             if np.abs(K @ found - right).max(initial=0.0) <= ACCURATE * np.abs(right).max():
                 return found
     return splu(K).solve(right)
+
+
+def _unpivoted(K: csc_array) -> SuperLU | None:
+    """Factors in this order; None where a redundant condition leaves a pivot of exactly 0."""
+    try:
+        return splu(
+            K, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except RuntimeError:
+        return None

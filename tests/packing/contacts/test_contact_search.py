@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from packing.boundary import Walls
 from scaling import (
     ContactNetwork,
     infer_contacts,
@@ -17,6 +18,7 @@ from scaling.noise.noise_model import noise_model
 from studies.contact_lists import confusion, list_error
 from tests.conftest import packing
 from tests.scaling.packings import network_of
+from tests.scaling.worlds import WORLDS, packing_in
 
 
 def test_two_disks_and_a_gap():
@@ -192,3 +194,36 @@ def false_contact(seed):
     both = [solved(larger, gaps) for gaps in (True, False)]
     errors = [relative_error(np.delete(f, [c, 2 * c + 1]), p.forces) / known for f in both]
     return both[0][c] / p.normal_forces.mean(), *errors
+
+
+# --- walls --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_contacts_of_every_world_are_read_off(world):
+    """Those on record, images too. Control: without the walls theirs are missed, and a row glued
+    to a wall touches itself; at a threshold of half the smallest overlap none is lost."""
+    p = packing_in(world)
+    listed = set(map(tuple, np.column_stack([p.pairs, p.images])))
+    for h in (0.0, -0.5 * p.overlaps.min()):
+        found = infer_contacts(p.positions, p.radii, h, cell=p.cell, walls=p.walls)
+        assert set(map(tuple, np.column_stack(found))) == listed
+        assert len(found[0]) == len(listed)
+    without = infer_contacts(p.positions, p.radii, 0.0, cell=p.cell)
+    assert (set(map(tuple, np.column_stack(without))) == listed) == (world == "periodic")
+    n = ContactNetwork(p.positions, p.radii, found[0], cell=p.cell, images=found[1], walls=p.walls)
+    assert n.contacts == len(p.pairs)
+
+
+def test_nothing_touches_across_walls():
+    """Two grains that a cell, were it periodic across, would press together; each at its wall."""
+    x, R, cell = [[0.5, 0.45], [0.5, 1.55]], [0.5, 0.5], [[3.0, 0.0], [0.7, 1.9]]
+    walls = Walls([[0, -1], [0, 1]], [0.0, 2.0])
+    assert len(infer_contacts(x, R, cell=[[3.0, 0], [0, 1.9]])[0]) == 1
+    pairs, images = infer_contacts(x, R, cell=cell, walls=walls)
+    assert pairs.tolist() == [[0, 2], [1, 3]]
+    assert not images.any()
+    with pytest.raises(ValueError, match="walls = 7 are none"):
+        infer_contacts(x, R, walls=7)
+    with pytest.raises(ValueError, match=r"walls.glued has 1 grains, the packing 2"):
+        infer_contacts(x, R, walls=Walls([[0, -1]], [0.0], glued=[0]))

@@ -233,8 +233,10 @@ def test_glued_grains_close_only_if_their_spacing_is_known():
     pairs = sum(int((glued == w).sum()) - 1 for w in (0, 1))
     assert told.Q.shape[0] - untold.Q.shape[0] == 2 * pairs
     assert rank(untold.G) < untold.unknowns
-    with pytest.raises(ValueError, match="rank-deficient"):
-        reconstruct(unknown, 1.0)
+    for method in ("gppsz", "balanced"):
+        with pytest.raises(ValueError, match=r"rank-deficient.*glued to wall 0.*spaced=True"):
+            reconstruct(unknown, 1.0, method)
+    assert relative_error(reconstruct(unknown, 1.0, "direct"), p) < 1e-10  # distances say it
     assert not set(told.matrices.active) & set(np.flatnonzero(p.walls.glued >= 0))
 
 
