@@ -68,7 +68,7 @@ def _table(options: Namespace) -> Answer:
         f"p = {pressure:g} Pa, {options.law} contacts, for {100 * options.error:g} % error with "
         "gppsz (noise on diameters):",
         "",
-        f"{'material':13} {'E (Pa)':>8} {'ν':>5} {'Δ':>8}  {'to be known to':20} E from",
+        f"{'material':13} {'E (Pa)':>8} {'ν':>5} {'Δ':>8}  {'to be known to':20} E ranges from",
     ]
     facts: dict[str, Any] = {}
     for name, m in MATERIALS.items():
@@ -81,9 +81,11 @@ def _table(options: Namespace) -> Answer:
         xi = need(delta, options.error).precision["diameter"]["gppsz"]
         lines.append(
             f"{name:13} {power(m.modulus):>8} {m.poisson:5.2f} {power(delta):>8}  "
-            f"{length(xi, options.diameter):20} {span}; {m.source}"
+            f"{length(xi, options.diameter):20} {span}"
         )
         facts[name] = {"modulus": m.modulus, "poisson": m.poisson, "range": [m.lowest, m.highest],
                        "source": m.source, "delta": delta, "xi": xi}  # fmt: skip
+    lines += ["", "Values and ranges are typical ones:"]
+    lines += [f"  {name}: {m.source}" for name, m in MATERIALS.items()]
     lines += ["", "Your own: packing-forces need --modulus E --poisson ν --pressure p --diameter d"]
     return Answer(tuple(lines), {"pressure": pressure, "materials": facts})
