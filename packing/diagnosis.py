@@ -197,8 +197,8 @@ def balance(seen: Seen) -> Iterator[Note]:
     loud = worst > BALANCED
     if not loud.any():
         yield Note(
-            "information", "balance", f"forces and torques balance to {worst.max():.1e} ⟨f_n⟩",
-            number=float(worst.max()),
+            "information", "balance", f"forces and torques balance to {worst.max():.1e} ⟨f_n⟩ on "
+            f"the worst grain, {np.sqrt(np.mean(worst**2)):.1e} rms", number=float(worst.max()),
         )  # fmt: skip
         return
     k = int(worst.argmax())

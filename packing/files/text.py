@@ -27,6 +27,8 @@ _GZIP = b"\x1f\x8b"
 _PER_BYTE = 30
 """Bytes of memory that a byte of text takes while it is read: each number becomes a string."""
 _CHUNK = 1 << 20
+_LINE_END = re.compile(r"\r*\n|\r")
+"""Unix, Windows, old Macintosh, and Windows twice (CR CR LF), as some transfers make it."""
 _COMMA = re.compile(r"^[-+]?\d+,\d+([eE][-+]?\d+)?$")
 
 
@@ -142,7 +144,7 @@ def text_of(path: Path) -> Text:
         raise empty.problem(
             "wrong-encoding", f"byte {error.start} is no UTF-8: save the file as UTF-8", line
         ) from None
-    lines = whole.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines = _LINE_END.sub("\n", whole).split("\n")
     if not whole.strip():
         raise empty.problem("no-grains", "the file is empty", number=0)
     if lines[-1].strip():

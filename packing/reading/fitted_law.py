@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from packing.arguments.arrays import Floats, Integers
-from packing.contact_law import ContactLaw, Hertz, Linear, law_between
+from packing.contact_law import Hertz, Linear, law_between
 
 
 class Fit(NamedTuple):
@@ -45,11 +45,3 @@ def shown_law(
     fits = [fitted(kind, overlaps, forces, radii, pairs) for kind in (Linear, Hertz)]
     there = sorted((f for f in fits if f is not None), key=lambda f: f.misfit)
     return (there[0] if there else None, there[1] if len(there) > 1 else None)
-
-
-def misfit(
-    law: ContactLaw, overlaps: Floats, forces: Floats, radii: Floats, pairs: Integers
-) -> float:
-    """Rms of f_n less that of the law, over ⟨f_n⟩."""
-    given = law_between(law, radii, pairs).force(overlaps)
-    return float(np.sqrt(np.mean((forces - given) ** 2)) / np.abs(forces).mean())

@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from packing.contact_law import Linear, PerContact
+from packing.contact_law import Hertz, Linear, PerContact, law_between
 from packing.files.problem import FileProblem
 from packing.files.snapshot import Snapshot
 from packing.note import Note
-from packing.reading.fitted_law import misfit, shown_law
+from packing.reading.fitted_law import Fit, shown_law
 from packing.seen import Seen
 
 GOOD = 0.05
@@ -28,59 +28,65 @@ _VISCOUS = 1e-4
 
 
 def with_law(s: Snapshot) -> Snapshot:
-    """The snapshot with the law that its forces and overlaps show, unless one was told.
+    """The snapshot with the law that was told, or that its forces and overlaps show.
 
     FileProblem: κ told and κ shown do not agree.
     """
     seen = Seen.of(s)
-    δ, f = seen.overlaps, seen.normal
-    law = s.law
-    if law is None and s.stiffness is not None and (f is None or not len(f)):
-        return replace(s, law=Linear(s.stiffness))
-    if δ is None or f is None or not len(f) or s.radii is None:
+    if isinstance(s.law, PerContact):
         return s
-    if isinstance(law, PerContact):
-        return s
-    best, other = shown_law(δ, f, s.radii, seen.pairs)
-    clear = best is not None and best.misfit < GOOD and (
-        other is None or other.misfit > _CLEAR * best.misfit
+    best = None
+    if seen.overlaps is not None and seen.normal is not None and len(seen.normal):
+        assert s.radii is not None
+        best = _clear(*shown_law(seen.overlaps, seen.normal, s.radii, seen.pairs))
+    if best is None:
+        return _unshown(s, seen)
+    if s.law is None:
+        return _with_viscous(_shown(s, best), seen, best.misfit)
+    if type(best.law) is type(s.law):
+        _refuse_other(s, best.law.stiffness)
+    return replace(s, stiffness=s.stiffness or getattr(s.law, "stiffness", None))
+
+
+def _clear(best: Fit | None, other: Fit | None) -> Fit | None:
+    """The better law, if it is good, and much better than the other."""
+    if best is None or best.misfit >= GOOD:
+        return None
+    return best if other is None or other.misfit > _CLEAR * best.misfit else None
+
+
+def _shown(s: Snapshot, best: Fit) -> Snapshot:
+    """The law shown by the forces, with the κ that was told, if it agrees."""
+    _refuse_other(s, best.law.stiffness)
+    κ = best.law.stiffness if s.stiffness is None else s.stiffness
+    law: Linear | Hertz = replace(best.law, stiffness=κ)
+    kind = "Hertz, f_n = κ √(4R) δ^(3/2)"
+    if isinstance(law, Linear):
+        kind = "springs, f_n = κ δ"
+        law = Linear(κ, 0.5 if s.stiffness_ratio is None else s.stiffness_ratio)
+    note = Note(
+        "information", "guessed", f"forces and overlaps show {kind} with κ = "
+        f"{best.law.stiffness:.6g}, to {best.misfit:.1e} of ⟨f_n⟩", s.source, number=best.misfit,
     )  # fmt: skip
-    if law is None and not clear:
-        return s if s.stiffness is None or not _pushing(δ) else _told(s, seen)
-    if law is None:
-        assert best is not None
-        _refuse_other(s, best.law.stiffness)
-        ratio = s.stiffness_ratio if s.stiffness_ratio is not None else 0.5
-        law = (
-            replace(best.law, stiffness_ratio=ratio) if isinstance(best.law, Linear) else best.law
-        )
-        kind = "springs, f_n = κ δ" if isinstance(law, Linear) else "Hertz, f_n = κ √(4R) δ^(3/2)"
-        note = Note(
-            "information", "guessed", f"forces and overlaps show {kind} with κ = "
-            f"{law.stiffness:.6g}, to {best.misfit:.1e} of ⟨f_n⟩", s.source, number=best.misfit,
-        )  # fmt: skip
-        found = replace(s, law=law, stiffness=law.stiffness, notes=(*s.notes, note))
-        return _with_viscous(found, seen, best.misfit)
-    if clear and best is not None and type(best.law) is type(law):
-        _refuse_other(s, best.law.stiffness)
-    return replace(s, stiffness=s.stiffness or getattr(law, "stiffness", None))
+    return replace(s, law=law, stiffness=κ, notes=(*s.notes, note))
 
 
-def _told(s: Snapshot, seen: Seen) -> Snapshot:
-    """A κ without a law whose overlaps show none: springs, if they go with the forces."""
-    assert s.stiffness is not None and seen.overlaps is not None and seen.normal is not None
-    assert s.radii is not None
-    law = Linear(s.stiffness, s.stiffness_ratio or 0.5)
-    if misfit(law, seen.overlaps, seen.normal, s.radii, seen.pairs) < 1:
-        return replace(s, law=law)
-    given = float(seen.normal.sum() / seen.overlaps.sum())
-    if not 0.1 < given / s.stiffness < 10:
-        raise FileProblem(_mixed(s, given))
-    return s
+def _unshown(s: Snapshot, seen: Seen) -> Snapshot:
+    """Where forces and overlaps show no law: springs, if κ alone was told; refused, if forces over
+    overlaps are another order of magnitude than κ."""
+    if s.stiffness is None:
+        return replace(s, stiffness=getattr(s.law, "stiffness", None))
+    if seen.overlaps is not None and seen.normal is not None and _pushing(seen.overlaps):
+        given = float(seen.normal.sum() / seen.overlaps.sum())
+        if s.law is None and not 0.1 < given / s.stiffness < 10:
+            raise FileProblem(_mixed(s, given))
+    return (
+        s if s.law is not None else replace(s, law=Linear(s.stiffness, s.stiffness_ratio or 0.5))
+    )
 
 
 def _pushing(overlaps: np.ndarray) -> bool:
-    return bool(np.mean(overlaps > 0) > 0.9)
+    return bool(len(overlaps) and np.mean(overlaps > 0) > 0.9)
 
 
 def _refuse_other(s: Snapshot, shown: float) -> None:
@@ -103,8 +109,6 @@ def _with_viscous(s: Snapshot, seen: Seen, left: float) -> Snapshot:
         return s
     assert seen.normal is not None and s.radii is not None
     inner = seen.pairs[:, 1] < seen.grains
-    from packing.contact_law import law_between
-
     rest = seen.normal - law_between(s.law, s.radii, seen.pairs).force(seen.overlaps)
     i, j = seen.pairs[inner].T
     closing = -np.sum((s.velocities[j] - s.velocities[i])[:, :2] * seen.normals[inner], axis=1)

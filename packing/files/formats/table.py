@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
+from packing.files.formats import jambashbulk, mercury, rigid_library
 from packing.files.formats.lammps import dump
+from packing.files.formats.photoelastic import tables
 from packing.files.snapshot import Snapshot
 
-MODULES: tuple[ModuleType, ...] = (dump,)
+MODULES: tuple[ModuleType, ...] = (dump, mercury, jambashbulk, rigid_library, tables)
 """In the order in which a file is shown to them: those that know their files best come first."""
 
 
