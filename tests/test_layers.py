@@ -24,6 +24,7 @@ PLAN = (
     "packing.files",
     "packing.files.formats",
     "packing",
+    "packing.reading",
     "dem.model",
     "dem.motion.kernels",
     "dem.motion",

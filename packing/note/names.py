@@ -31,6 +31,8 @@ NAMES = {
     "not-at-rest": "forces on a grain do not balance",
     "missing-walls": "unbalanced grains lie at the rim: their walls are missing",
     "beyond-coulomb": "a contact bears more friction than its coefficient allows",
+    "no-radii": "the file holds no radii",
+    "pulling": "a contact pulls",
     "no-forces": "the file holds no forces",
     "no-contacts": "the file holds no contacts",
     "no-law": "how overlap becomes force is not known",
@@ -39,5 +41,8 @@ NAMES = {
     "balance": "how well the forces balance",
     "overlaps": "how large the overlaps are",
     "two-sided": "how far the two measurements of one contact differ",
+    "too-large": "the file does not fit into memory",
+    "pressure": "how the pressure was found",
+    "units": "units that were changed on reading",
     "frames": "the file has several frames, one of which was read",
 }
