@@ -11,16 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from packing_forces.judging.expected import expected
+from packing_forces.judging.reference import reference
 from packing_forces.judging.words import percent, power
 from packing_forces.known.case import Case
 from scaling import CoarseCoordinatesWarning, force_equation, infer_contacts
 from scaling.equation.force_equation import ForceEquation
 from scaling.equation.loads import refuse_unbalanced
 
-ROUGH = 0.7
-"""E ≈ 0.7 ξ/Δ of least squares, noise on positions or diameters: between 0.3 and 0.9."""
 HOPELESS = 0.5
 """Error of the guess that all forces are equal: an estimate that is worse is none."""
+WORTH_SAYING = 0.1
+"""Error of least squares that is marked."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,10 @@ def checks(case: Case) -> list[Check]:
     """All of them, in the order in which they are read."""
     found = [*_counts(case), *_units(case), *_digits(case), *_overlaps(case)]
     equation = force_equation(case.network, case.frictional)
-    found += [*_balance(case, equation), *_coulomb(case), *_law(case)]
-    return [*found, *_rank(case, equation)]
+    found += [*_loads(case), *_balance(case, equation), *_coulomb(case), *_law(case)]
+    found += _rank(case, equation)
+    forbidden = any(check.forbids for check in found)
+    return found if forbidden else [*found, *_error(case)]
 
 
 def _counts(case: Case) -> list[Check]:
@@ -80,10 +84,20 @@ def _digits(case: Case) -> list[Check]:
         f"ξ = {power(noise.position)} on a coordinate, {power(noise.diameter)} on a diameter "
         f"({noise.source}), in ⟨σ⟩"
     )
-    if ratio is None:
-        return [Check("digits", said, noise.xi)]
-    said += f"; ξ/Δ = {power(ratio)}, so least squares err by about {percent(ROUGH * ratio)}"
-    return [Check("digits", said, ratio, worry=ROUGH * ratio > 0.1)]
+    return [Check("digits", said if ratio is None else f"{said}; ξ/Δ = {power(ratio)}", ratio)]
+
+
+def _error(case: Case) -> list[Check]:
+    """What least squares would make of it: E of gppsz, from the network at hand."""
+    at = reference(case)
+    if case.law is None or at is None:
+        return []
+    try:
+        error = expected(case, "gppsz", at[0]).error
+    except (ValueError, RuntimeError) as refusal:
+        return [Check("error", f"least squares have none: {refusal}", None, worry=True)]
+    said = f"least squares err by {percent(error)} of the mean force (forces: {at[1]})"
+    return [Check("error", said, error, worry=error > WORTH_SAYING)]
 
 
 def _overlaps(case: Case) -> list[Check]:
@@ -110,6 +124,14 @@ def _overlaps(case: Case) -> list[Check]:
             said = f"{missing} pairs overlap, but are not among the contacts"
             found.append(Check("unlisted", said, missing, worry=True))
     return found
+
+
+def _loads(case: Case) -> list[Check]:
+    n = case.network
+    if n.cell is not None or n.walls is not None or n.external.any():
+        return []
+    said = "open, and no load is known: what holds the rim is missing"
+    return [Check("loads", said, None, forbids=case.forces is None, worry=True)]
 
 
 def _balance(case: Case, equation: ForceEquation) -> list[Check]:
@@ -180,9 +202,10 @@ def _rank(case: Case, equation: ForceEquation) -> list[Check]:
         said += f": {found.null_dimension} combinations of forces are not determined"
         return [Check("rank", said, found.rank, forbids=True)]
     kind = "" if found.exact else "about "
+    more = equation.hyperstaticity
     said += (
-        f", condition {kind}{found.condition:.3g}; {equation.hyperstaticity} more unknowns than "
-        "independent balances"
+        f", condition {kind}{found.condition:.3g}; {abs(more)} {'more' if more >= 0 else 'fewer'} "
+        "unknowns than independent balances"
     )
     return [Check("rank", said, found.condition)]
 
@@ -197,13 +220,12 @@ def verdict_of(found: list[Check], case: Case) -> tuple[bool, str]:
             "Not from geometry: no stiffness is known. With --stiffness, or from friction and "
             "loads alone by `forces --method bounded`, some can."
         )
-    ratio = case.ratio
-    if ratio is None:
-        return True, "Yes, as far as the rank goes; how exactly is open until the pressure is known."
-    if ROUGH * ratio > HOPELESS:
+    error = next((check.value for check in found if check.name == "error"), None)
+    if not isinstance(error, float):
+        return True, "Yes, as far as the rank goes; how exactly is open until Δ is known."
+    if error > HOPELESS:
         return False, (
-            f"Not from geometry alone: ξ/Δ = {power(ratio)}, and the error of least squares, about "
-            f"{percent(ROUGH * ratio)}, is no better than that all forces are equal. `bounded` can "
-            "still use friction and loads."
+            f"Not from geometry alone: least squares err by {percent(error)}, and that all forces "
+            "are equal is no worse. `bounded` can still use friction and loads."
         )
-    return True, f"Yes: ξ/Δ = {power(ratio)}, about {percent(ROUGH * ratio)} by least squares."
+    return True, f"Yes: least squares err by {percent(error)}."

@@ -6,6 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
+from packing.diagnosis import diagnose
 from packing.measurement import Measurement
 from packing.note import Note
 from packing.reading import notes, read
@@ -20,7 +21,8 @@ def loaded(path: str, options: Namespace) -> tuple[Packing | Measurement, tuple[
     if options.contacts is not None:
         more["contacts"] = options.contacts
     data = read(path, format=options.format, **more)
-    return data, notes(data)
+    said = {note.name: note for note in (*notes(data), *diagnose(data))}
+    return data, tuple(said.values())
 
 
 def case_from(path: str, options: Namespace) -> Case:
