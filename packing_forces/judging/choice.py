@@ -43,6 +43,12 @@ class Choice:
 
 def choice(case: Case, method: str | None = None) -> Choice:
     """The best method, or the one asked for. Refused: none can be told what it needs."""
+    n = case.network
+    if n.cell is None and n.walls is None and not n.external.any():
+        raise Refused(
+            f"{case.name}: open, and no load on any of {n.grains} grains is known: what holds the "
+            "rim is missing, and without it only forces that vanish balance"
+        )
     at = reference(case)
     known = {} if at is None or case.law is None else expected_of_all(case, at[0])
     if method is not None:
