@@ -16,8 +16,8 @@ from packing.arguments.arrays import Floats
 from packing_forces.answer import Refused
 from packing_forces.judging.choice import Choice
 from packing_forces.judging.expected import LINEAR, Expected, expected
-from packing_forces.known.case import Case
-from scaling import Reconstruction, force_equation, mean_force, reconstruct, relative_error
+from packing_forces.known.case import Case, error_against_file
+from scaling import Reconstruction, force_equation, mean_force, reconstruct
 from scaling.estimators import Bounded
 from scaling.uncertainty.credible_intervals import enclosing, posterior_intervals
 
@@ -66,10 +66,7 @@ def find(case: Case, chosen: Choice, *, draws: int | None = None, seed: int = 0)
             raise Refused(f"{case.name}: {chosen.method}: {refusal}") from refusal
         bars = _bars(case, chosen, law, result, draws, seed)
     low, high, said, error, of_map = bars
-    # A packing at rest: its forces are the true ones, and the error is known, not expected.
-    true = None
-    if case.at_rest and case.forces is not None:
-        true = relative_error(result, case.data)
+    true = error_against_file(case, result.forces)
     told = tuple(dict.fromkeys(str(w.message) for w in heard if issubclass(w.category, UserWarning)))
     return Found(chosen.method, result, low, high, said, error, true, of_map, told)
 

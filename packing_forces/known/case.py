@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,11 @@ from packing.record import Packing
 from packing_forces.answer import Refused
 from packing_forces.known.data_noise import DataNoise, data_noise
 from packing_forces.known.told import Told
-from scaling import CoarseCoordinatesWarning, ContactNetwork, infer_contacts
+from scaling import CoarseCoordinatesWarning, ContactNetwork, force_equation, infer_contacts, relative_error
+
+
+BALANCED = 1e-2
+"""Forces that balance to this, rms over rows, in mean normal forces, are those of grains at rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +57,21 @@ class Case:
         assert self.tangential is not None
         return np.concatenate([self.normal, self.tangential])
 
-    @property
+    @cached_property
     def at_rest(self) -> bool:
-        """Whether the forces of the file are those of a packing at rest, and so the true ones."""
-        return isinstance(self.data, Packing)
+        """Whether the forces of the file balance, and so are the true ones: a packing's, or those
+        that a simulation wrote beside coordinates of few digits."""
+        if isinstance(self.data, Packing):
+            return True
+        forces = self.forces
+        if forces is None:
+            return False
+        n = self.network
+        if n.cell is None and n.walls is None and not n.external.any():
+            return False
+        equation = force_equation(n, self.frictional)
+        left = equation.M @ forces - equation.balance_rhs()
+        return bool(np.sqrt(np.mean(left**2)) < BALANCED * np.abs(forces[: n.contacts]).mean())
 
     @property
     def linear(self) -> bool:
@@ -73,6 +89,13 @@ class Case:
     def ratio(self) -> float | None:
         """ξ/Δ."""
         return None if not self.delta else self.noise.xi / self.delta
+
+
+def error_against_file(case: Case, forces: Floats) -> float | None:
+    """E of ``forces`` against those of the file, where these are of grains at rest."""
+    if not case.at_rest or case.forces is None:
+        return None
+    return relative_error(forces, case.forces, frictional=case.frictional)
 
 
 def case_of(data: Packing | Measurement, name: str, told: Told, notes: tuple[Note, ...]) -> Case:

@@ -20,9 +20,21 @@ def loaded(path: str, options: Namespace) -> tuple[Packing | Measurement, tuple[
     more: dict[str, Any] = dict(options.set or ())
     if options.contacts is not None:
         more["contacts"] = options.contacts
-    data = read(path, format=options.format, **more)
+    data = _read(path, options, more)
     said = {note.name: note for note in (*notes(data), *diagnose(data))}
     return data, tuple(said.values())
+
+
+def _read(
+    path: str, options: Namespace, more: dict[str, Any]
+) -> Packing | Measurement:
+    """With stiffness and friction as told, by which forces and overlaps are compared; an npz
+    holds both."""
+    told = {k: getattr(options, k, None) for k in ("stiffness", "friction")}
+    told = {k: v for k, v in told.items() if v is not None and k not in more}
+    if Path(path).suffix == ".npz":
+        told = {}
+    return read(path, format=options.format, **more, **told)
 
 
 def case_from(path: str, options: Namespace) -> Case:

@@ -15,12 +15,14 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from packing.record import Packing
+from packing_forces.answer import Refused
 from packing_forces.drawing.colours import COLOURS
 from packing_forces.judging.choice import Choice, options_of
 from packing_forces.judging.found import Found
-from packing_forces.known.case import Case
+from packing_forces.known.case import Case, error_against_file
 from packing_forces.known.data_noise import DataNoise
-from scaling import ContactNetwork, flat_guess, perturb, reconstruct, relative_error
+from scaling import ContactNetwork, flat_guess, perturb, reconstruct
 
 RATIOS = (0.1, 1.0, 10.0)
 """ξ/Δ at which `bounded` is tried."""
@@ -50,19 +52,19 @@ def curve(case: Case, chosen: Choice, found: Found, errors: dict[str, float]) ->
 
 def _flat(case: Case) -> float:
     """E of the guess that all forces are equal, 1/2 where the true ones are not known."""
-    if case.at_rest and case.forces is not None:
-        try:
-            open_ = case.network.cell is None and case.network.walls is None
-            guess = flat_guess(case.network, None if open_ else case.pressure)
-            return relative_error(guess[: len(case.forces)], case.data)
-        except ValueError:
-            pass
-    return 0.5
+    try:
+        open_ = case.network.cell is None and case.network.walls is None
+        guess = flat_guess(case.network, None if open_ else case.pressure)
+    except ValueError:
+        return 0.5
+    error = error_against_file(case, guess if case.frictional else guess[: case.network.contacts])
+    return 0.5 if error is None else error
 
 
 def _tried(case: Case) -> list[tuple[float, float]]:
     found: list[tuple[float, float]] = []
-    if not (case.at_rest and case.linear and case.delta and case.noise.xi > 0):
+    # A packing without noise of its own is needed, to be given some.
+    if not (isinstance(case.data, Packing) and case.linear and case.delta and case.noise.xi > 0):
         return found
     if case.network.grains > LARGEST:
         return found
@@ -80,13 +82,11 @@ def _tried(case: Case) -> list[tuple[float, float]]:
                 result: Any = reconstruct(
                     noisy, case.law, "bounded", frictional=case.frictional, **options
                 )
-        except Exception as refusal:
-            if isinstance(refusal, ValueError | RuntimeError | ImportError) or (
-                type(refusal).__name__ == "Refused"
-            ):
-                continue
-            raise
-        found.append((ratio, relative_error(result, case.data)))
+        except (Refused, ValueError, RuntimeError, ImportError):
+            continue  # a strength at which it has no answer
+        error = error_against_file(case, result.forces)
+        if error is not None:
+            found.append((ratio, error))
     return found
 
 
