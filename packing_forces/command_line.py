@@ -6,12 +6,13 @@ Exit codes: 0 answered, 1 refused (the culprit is named on standard error), 2 wr
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 
 from packing.version import __version__
-from packing_forces.answer import ANSWERED, REFUSED, WRONG_USAGE, Answer, Refused
+from packing_forces.answers.answer import ANSWERED, REFUSED, WRONG_USAGE, Answer, Refused
 from packing_forces.options import VERBS, Verb
 
 __all__ = ["ANSWERED", "REFUSED", "WRONG_USAGE", "main", "parser"]
@@ -33,7 +34,7 @@ def parser() -> argparse.ArgumentParser:
     return line
 
 
-def _declare(verbs: argparse._SubParsersAction, name: str, verb: Verb) -> None:  # noqa: SLF001
+def _declare(verbs: argparse._SubParsersAction, name: str, verb: Verb) -> None:
     one = verbs.add_parser(
         name,
         help=verb.about,
@@ -50,7 +51,8 @@ def main(words: Sequence[str] | None = None) -> int:
     """Answer, print, and return the exit code; SystemExit 2 for wrong usage."""
     arguments = parser().parse_args(words)
     worst = ANSWERED
-    for arguments.file in getattr(arguments, "files", None) or [None]:
+    for file in getattr(arguments, "files", None) or [None]:
+        arguments.file = file
         worst = max(worst, _one(arguments))
     return worst
 
@@ -66,7 +68,10 @@ def _one(arguments: argparse.Namespace) -> int:
         if arguments.json:
             print(Answer((), {"refused": said}).text(as_json=True))
         return REFUSED
-    print(answer.text(arguments.json))
+    try:
+        print(answer.text(arguments.json), flush=True)
+    except BrokenPipeError:  # whoever reads has had enough
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115  (until the interpreter ends)
     return answer.code
 
 

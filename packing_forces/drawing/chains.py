@@ -109,8 +109,8 @@ def _normal(forces: Any, contacts: int) -> Floats:
     f = real_array("forces", getattr(forces, "forces", forces), (None,), "component")
     if len(f) not in (contacts, 2 * contacts):
         raise ValueError(
-            f"forces: {len(f)} numbers for {contacts} contacts; expected {contacts} normal forces, "
-            f"or {2 * contacts} with the tangential ones"
+            f"forces: {len(f)} numbers for {contacts} contacts; expected {contacts} normal "
+            f"forces, or {2 * contacts} with the tangential ones"
         )
     return f[:contacts]
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from packing_forces.answers.words import percent, power
 from packing_forces.judging.expected import expected
 from packing_forces.judging.reference import reference
-from packing_forces.judging.words import percent, power
 from packing_forces.known.case import Case
 from scaling import CoarseCoordinatesWarning, force_equation, infer_contacts
 from scaling.equation.force_equation import ForceEquation
@@ -107,8 +107,8 @@ def _overlaps(case: Case) -> list[Check]:
     δ, unit = n.overlaps, n.mean_diameter
     open_ones = int((δ < 0).sum())
     said = (
-        f"mean overlap {power(float(δ.mean()) / unit)} ⟨σ⟩, spread {power(float(δ.std()) / unit)}; "
-        f"{open_ones} of {n.contacts} contacts are gaps"
+        f"mean overlap {power(float(δ.mean()) / unit)} ⟨σ⟩, "
+        f"spread {power(float(δ.std()) / unit)}; {open_ones} of {n.contacts} contacts are gaps"
     )
     found = [Check("gaps", said, open_ones, worry=open_ones > 0.02 * n.contacts)]
     if n.cell is None or n.walls is None:

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from packing_forces.answer import Refused
-from packing_forces.judging.expected import LINEAR, NONLINEAR_LAW, Expected, expected_of_all
+from packing_forces.answers.answer import Refused
+from packing_forces.answers.words import percent, power
+from packing_forces.judging.expected import NONLINEAR_LAW, Expected, expected_of_all
 from packing_forces.judging.reference import reference
-from packing_forces.judging.words import percent, power
 from packing_forces.known.case import Case
 
 EXACT = 1e-4
@@ -107,32 +107,37 @@ def _bounded_can(case: Case) -> bool:
 
 def options_of(case: Case, method: str) -> dict[str, Any]:
     """What this method is told. Refused: something that it needs is not known."""
-    noisy = case.noise.told(case.network) if case.noise.xi > 0 else {}
     if method == "transverse":
         if case.normal is None:
             raise Refused(f"{case.name}: transverse needs the normal forces; the file has none")
         return {"normal_forces": case.normal}
-    if case.law is None and method != "bounded":
+    if method == "bounded":
+        return _options_of_bounded(case)
+    if case.law is None:
         raise Refused(f"{case.name}: {method} needs the contact law; give --stiffness")
-    if not case.linear and method not in (*NONLINEAR_LAW, "bounded"):
+    if not case.linear and method not in NONLINEAR_LAW:
         raise Refused(f"{case.name}: {method} is for linear contacts; take {NONLINEAR_LAW[0]}")
-    if method in LINEAR and method != "optimal":
+    if method != "optimal":
         return {}
-    if method == "optimal":
-        if not noisy:
-            raise Refused(f"{case.name}: optimal needs the noise; give --noise or --size-noise")
-        return noisy
-    if case.frictional and case.friction is None:
-        raise Refused(f"{case.name}: bounded needs the friction; give --friction")
+    if case.noise.xi == 0:
+        raise Refused(f"{case.name}: optimal needs the noise; give --noise or --size-noise")
+    return case.noise.told(case.network)
+
+
+def _options_of_bounded(case: Case) -> dict[str, Any]:
+    """Friction, pressure, and the noise; without a linear law lengths say nothing, ξ = ∞."""
     told: dict[str, Any] = {"progress": False}
     if case.frictional:
+        if case.friction is None:
+            raise Refused(f"{case.name}: bounded needs the friction; give --friction")
         told["friction"] = case.friction
-    if case.network.cell is not None or case.network.walls is not None:
+    n = case.network
+    if n.cell is not None or n.walls is not None:
         if case.pressure is None:
             raise Refused(f"{case.name}: bounded needs the pressure; give --pressure")
         told["pressure"] = case.pressure
-        if case.network.walls is not None:  # of one wall, and the mean is another
+        if n.walls is not None:  # of one wall, and the mean is another
             told["pressure"] = (case.pressure, OF_WALLS * case.pressure)
     if case.law is None or not case.linear:
         return told | {"xi": np.inf}
-    return told | noisy
+    return told | (case.noise.told(n) if case.noise.xi > 0 else {})

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from packing.arguments.arrays import Floats
-from packing_forces.answer import Refused
+from packing_forces.answers.answer import Refused
 from packing_forces.judging.choice import Choice
 from packing_forces.judging.expected import LINEAR, Expected, expected
 from packing_forces.known.case import Case, error_against_file
@@ -53,7 +53,9 @@ class Found:
 
 def find(case: Case, chosen: Choice, *, draws: int | None = None, seed: int = 0) -> Found:
     """Forces and bars. Refused: the method has no answer, in its own words."""
-    law: Any = case.law if case.law is not None else (None if chosen.method == "transverse" else 1.0)
+    law: Any = (
+        case.law if case.law is not None else (None if chosen.method == "transverse" else 1.0)
+    )
     if chosen.method == "bounded" and not case.linear:
         law = 1.0  # without lengths no law enters
     with warnings.catch_warnings(record=True) as heard:
@@ -67,7 +69,9 @@ def find(case: Case, chosen: Choice, *, draws: int | None = None, seed: int = 0)
         bars = _bars(case, chosen, law, result, draws, seed)
     low, high, said, error, of_map = bars
     true = error_against_file(case, result.forces)
-    told = tuple(dict.fromkeys(str(w.message) for w in heard if issubclass(w.category, UserWarning)))
+    told = tuple(
+        dict.fromkeys(str(w.message) for w in heard if issubclass(w.category, UserWarning))
+    )
     return Found(chosen.method, result, low, high, said, error, true, of_map, told)
 
 

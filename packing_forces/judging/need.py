@@ -4,8 +4,8 @@
     Δ = p/E*                                              linear contacts of stiffness E* d
 
 p is the pressure, E Young's modulus, ν Poisson's ratio. C of each method from packings of 1000
-grains, μ = 0.3 (docs/estimators.md): noise on the diameters with exact directions, or on positions.
-It rises with the number of contacts, so the value for Δ >= 1e-2 is taken where that is.
+grains, μ = 0.3 (docs/estimators.md): noise on the diameters with exact directions, or on
+positions. It rises with the number of contacts, so the value for Δ >= 1e-2 is taken where that is.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Need:
 
 
 def delta_of(modulus: float, poisson: float, pressure: float, law: str) -> float:
-    """Δ of a material under a pressure; ValueError: ν outside (-1, 0.5], a Δ that is no contact."""
+    """Δ of a material under a pressure; ValueError: ν outside (-1, 0.5], or a Δ of no contact."""
     if not -1 < poisson <= 0.5:
         raise ValueError(f"poisson = {poisson:g} is outside (-1, 0.5]")
     plane = modulus / (1 - poisson**2)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from packing_forces.answers.words import percent, power
 from packing_forces.judging.choice import Choice
 from packing_forces.judging.expected import Expected
 from packing_forces.judging.found import Found
-from packing_forces.judging.words import percent, power
 from packing_forces.known.case import Case
 from packing_forces.known.data_noise import written_with
 

@@ -1,1 +1,1 @@
-"""What a file tells of a packing: its network, law, loads, forces, and how exactly they are known."""
+"""What a file tells of a packing: network, law, loads, forces, and how exactly."""

@@ -21,14 +21,19 @@ from packing.contact_law import ContactLaw, Linear, PerContact, law_of
 from packing.measurement import Measurement
 from packing.note import Note
 from packing.record import Packing
-from packing_forces.answer import Refused
+from packing_forces.answers.answer import Refused
 from packing_forces.known.data_noise import DataNoise, data_noise
 from packing_forces.known.told import Told
-from scaling import CoarseCoordinatesWarning, ContactNetwork, force_equation, infer_contacts, relative_error
-
+from scaling import (
+    CoarseCoordinatesWarning,
+    ContactNetwork,
+    force_equation,
+    infer_contacts,
+    relative_error,
+)
 
 BALANCED = 1e-2
-"""Forces that balance to this, rms over rows, in mean normal forces, are those of grains at rest."""
+"""Forces that balance to this, rms over rows, in ⟨f_n⟩, are those of grains at rest."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,7 +58,7 @@ class DataNoise:
 def data_noise(
     data: Any, network: ContactNetwork, position: float | None, diameter: float | None
 ) -> DataNoise:
-    """The noise told, else that of the file, else its rounding; told ones in its unit of length."""
+    """The noise told, in the unit of the file; else what the file says; else its rounding."""
     unit = network.mean_diameter
     if position is not None or diameter is not None:
         return DataNoise((position or 0.0) / unit, (diameter or 0.0) / unit, "told")

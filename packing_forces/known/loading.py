@@ -25,9 +25,7 @@ def loaded(path: str, options: Namespace) -> tuple[Packing | Measurement, tuple[
     return data, tuple(said.values())
 
 
-def _read(
-    path: str, options: Namespace, more: dict[str, Any]
-) -> Packing | Measurement:
+def _read(path: str, options: Namespace, more: dict[str, Any]) -> Packing | Measurement:
     """With stiffness and friction as told, by which forces and overlaps are compared; an npz
     holds both."""
     told = {k: getattr(options, k, None) for k in ("stiffness", "friction")}

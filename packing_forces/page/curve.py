@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from packing.record import Packing
-from packing_forces.answer import Refused
+from packing_forces.answers.answer import Refused
 from packing_forces.drawing.colours import COLOURS
 from packing_forces.judging.choice import Choice, options_of
 from packing_forces.judging.found import Found

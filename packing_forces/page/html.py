@@ -27,7 +27,8 @@ img,svg{display:block;width:100%;height:auto}
 .curve svg{max-width:46rem}
 .wide{overflow-x:auto}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums}
-th,td{padding:.25rem .75rem;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
+th,td{padding:.25rem .75rem;border-bottom:1px solid var(--line);text-align:right;
+white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
 td.long{white-space:normal;text-align:left;overflow-wrap:anywhere}
 :focus-visible{outline:3px solid var(--mark);outline-offset:2px}

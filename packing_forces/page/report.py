@@ -11,11 +11,11 @@ import numpy as np
 
 from packing.arguments.arrays import Floats
 from packing.version import __version__
+from packing_forces.answers.words import percent, power
 from packing_forces.judging.checks import Check, verdict_of
 from packing_forces.judging.choice import Choice
 from packing_forces.judging.found import LEVEL, Found
 from packing_forces.judging.verdict import errors, verdict
-from packing_forces.judging.words import percent, power
 from packing_forces.known.case import Case, facts_of
 from packing_forces.page import html, pictures
 from packing_forces.page.curve import curve, drawn
@@ -48,7 +48,7 @@ def _parts(
         yield html.section("errors", "How far each force is off", _map(case, found))
         yield html.section("curve", "Error against noise", _curve(case, chosen, found))
         yield html.section("intervals", "Intervals", *_intervals(case, found))
-    able, why = verdict_of(checks, case)
+    _, why = verdict_of(checks, case)
     rows = [(f"{check.mark} {check.name}", check.said) for check in checks]
     yield html.section("checks", "Can forces be had?", html.paragraph(why), html.pairs(rows))
     if case.notes:
@@ -116,8 +116,9 @@ def _map(case: Case, found: Found) -> str:
     figures = [
         html.figure(
             pictures.errors(case, found.result.normal, bars, label, "Expected error by contact"),
-            f"Expected error of each contact ({found.bars}): median {percent(float(np.median(bars)))}, "
-            f"worst {percent(float(bars.max()))} of the mean force.",
+            f"Expected error of each contact ({found.bars}): "
+            f"median {percent(float(np.median(bars)))}, worst {percent(float(bars.max()))} of the "
+            "mean force.",
         )
     ]
     if case.forces is not None:

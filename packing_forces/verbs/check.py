@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from packing_forces.answer import ANSWERED, REFUSED, Answer
+from packing_forces.answers.answer import ANSWERED, REFUSED, Answer
 from packing_forces.judging.checks import checks, verdict_of
 from packing_forces.known.case import facts_of
 from packing_forces.known.loading import case_from

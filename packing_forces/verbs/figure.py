@@ -6,9 +6,9 @@ import sys
 from argparse import Namespace
 from contextlib import redirect_stdout
 
-from packing_forces.answer import Answer
-from paper_figs.__main__ import draw_all, folder_of, tables_of
+from packing_forces.answers.answer import Answer
 from paper_figs.__main__ import compute as compute_tables
+from paper_figs.__main__ import draw_all, folder_of, tables_of
 from studies.run import Run
 
 

@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from packing_forces.answer import Answer
+from packing_forces.answers.answer import Answer
 from packing_forces.judging.choice import Choice, choice
 from packing_forces.judging.found import Found, find
 from packing_forces.judging.table import write

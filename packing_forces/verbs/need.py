@@ -5,10 +5,10 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import Any
 
-from packing_forces.answer import Answer, Refused
+from packing_forces.answers.answer import Answer, Refused
+from packing_forces.answers.words import length, power
 from packing_forces.judging.materials import MATERIALS, Material
 from packing_forces.judging.need import FLAT_GUESS, Need, delta_of, need
-from packing_forces.judging.words import length, power
 
 
 def answer(options: Namespace) -> Answer:
@@ -87,5 +87,8 @@ def _table(options: Namespace) -> Answer:
                        "source": m.source, "delta": delta, "xi": xi}  # fmt: skip
     lines += ["", "Values and ranges are typical ones:"]
     lines += [f"  {name}: {m.source}" for name, m in MATERIALS.items()]
-    lines += ["", "Your own: packing-forces need --modulus E --poisson ν --pressure p --diameter d"]
+    lines += [
+        "",
+        "Your own: packing-forces need --modulus E --poisson ν --pressure p --diameter d",
+    ]
     return Answer(tuple(lines), {"pressure": pressure, "materials": facts})

@@ -6,7 +6,7 @@ import time
 from argparse import Namespace
 
 from dem import Scene, relax
-from packing_forces.answer import Answer
+from packing_forces.answers.answer import Answer
 
 
 def answer(options: Namespace) -> Answer:

@@ -11,7 +11,7 @@ import numpy as np
 from packing.boundary.walls import PREFIX
 from packing.measurement import Measurement
 from packing.record import Packing
-from packing_forces.answer import Answer
+from packing_forces.answers.answer import Answer
 from packing_forces.known.loading import loaded
 
 ARRAYS = (
@@ -80,6 +80,8 @@ def _write_measurement(data: Measurement, out: Path) -> str:
     """Its arrays by name; what is not known is not there."""
     held = {n: getattr(data, n) for n in (*ARRAYS, *NUMBERS) if getattr(data, n) is not None}
     if data.walls is not None:
-        held |= {k if k.startswith(PREFIX) else PREFIX + k: v for k, v in data.walls.arrays().items()}
+        held |= {
+            k if k.startswith(PREFIX) else PREFIX + k: v for k, v in data.walls.arrays().items()
+        }
     np.savez(out, **held)
     return f"written to {out}: plain arrays by name, as no packing at rest is in it"

@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from packing_forces.answer import ANSWERED, REFUSED, Answer, Refused
+from packing_forces.answers.answer import ANSWERED, REFUSED, Answer, Refused
 from packing_forces.judging.checks import checks, verdict_of
 from packing_forces.judging.choice import choice
 from packing_forces.judging.found import find
@@ -28,8 +28,8 @@ def answer(options: Namespace) -> Answer:
     except Refused as refusal:
         out.write_text(report(case, looked, None, None, str(refusal)), encoding="utf-8")
         able, why = verdict_of(looked, case)
-        lines = (f"{case.name}: no forces: {refusal}", f"  {why}", f"written to {out}")
-        return Answer(lines, facts | {"refused": str(refusal), "forces": able}, REFUSED)
+        said = (f"{case.name}: no forces: {refusal}", f"  {why}", f"written to {out}")
+        return Answer(said, facts | {"refused": str(refusal), "forces": able}, REFUSED)
     out.write_text(report(case, looked, chosen, found, ""), encoding="utf-8")
     lines = (f"{case.name}: {chosen.method}: {chosen.why}", *summary(case, chosen, found))
     return Answer((*lines, f"written to {out}"), facts | solved(case, chosen, found), ANSWERED)
