@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from packing.contact_law import Hertz, law_between
+from packing.contact_law import Hertz, Linear, law_between
 from packing.diagnosis import diagnose, sizes
 from packing.files.problem import FileProblem
 from packing.files.snapshot import Snapshot
@@ -83,24 +83,29 @@ def _missing(s: Snapshot) -> Note | None:
 
 def _packing(s: Snapshot) -> Packing:
     seen = Seen.of(s)
-    assert s.normal_forces is not None and s.law is not None and s.radii is not None
+    assert s.normal_forces is not None
     f_t = s.tangential_forces
-    told_law = isinstance(s.law, Hertz)
-    virial = seen.virial
+    pressure = seen.virial if s.pressure is None else s.pressure
+    hertz = isinstance(s.law, Hertz)
     return Packing(
-        s.positions, s.radii, s.cell, seen.pairs, seen.images, s.normal_forces,
+        s.positions, s.radii, s.cell, seen.pairs, seen.images, s.normal_forces,  # type: ignore[arg-type]
         np.zeros(len(seen.pairs)) if f_t is None else f_t,
         np.zeros((seen.grains, 3)) if s.external is None else s.external,
-        stiffness=_stiffness(s), pressure=virial if s.pressure is None else s.pressure,  # type: ignore[arg-type]
+        stiffness=_stiffness(s, pressure), pressure=pressure,  # type: ignore[arg-type]
         friction=s.friction if s.friction is not None else _friction(seen),
         stiffness_ratio=s.stiffness_ratio,
-        provenance=Provenance(scene={"contact": law_record(s.law)} if told_law else None),
+        provenance=Provenance(scene={"contact": law_record(s.law)} if hertz else None),  # type: ignore[arg-type]
         walls=s.walls,
     )  # fmt: skip
 
 
-def _stiffness(s: Snapshot) -> float:
-    return float(getattr(s.law, "stiffness", s.stiffness))
+def _stiffness(s: Snapshot, pressure: float | None) -> float | None:
+    """κ of springs; p/Δ of Hertz's law, as `dem` has it."""
+    if isinstance(s.law, Linear):
+        return s.law.stiffness
+    if s.stiffness is None and s.law is not None and pressure is not None and pressure > 0:
+        return pressure / s.law.delta(pressure)
+    return s.stiffness
 
 
 def _friction(seen: Seen) -> float:
@@ -122,6 +127,7 @@ def _measured(s: Snapshot, name: str, why: Note) -> Measurement:
         law = law_between(law, s.radii, s.pairs)
     uncertainty = Uncertainty(**s.uncertainty)
     values = {k: getattr(s, k) for k in fields} | {"law": law, "uncertainty": uncertainty}
+    values["stiffness"] = _stiffness(s, s.pressure)
     try:
         found = Measurement(**values, format=name)
     except ValueError as error:

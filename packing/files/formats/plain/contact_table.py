@@ -55,7 +55,9 @@ def contacts_of(
     pairs[at_wall, 1] = len(ids) + known[:, 0]
     images = _images(table, boundary, x, pairs)
     normal, tangential = _forces(table, boundary.branches(x, pairs, images))
-    rows = ContactRows(pairs, images, normal, tangential, table.lines)
+    rows = ContactRows(
+        pairs, images, normal, tangential, table.lines, _vector(table, ("nx",), ("ny",))
+    )
     found, notes = ordered(rows, len(ids), table.text)
     errors = {}
     row = {int(line): e for e, line in enumerate(table.lines)}

@@ -36,20 +36,23 @@ def numbers_of(table: Table) -> dict[str, float]:
 
 
 def law_of(table: Table, numbers: dict[str, float]) -> ContactLaw | None:
-    """The contact law, if it is named and κ is there."""
-    if "law" not in table.facts or "stiffness" not in numbers:
+    """The contact law, if it is named: ``linear`` with the stiffness, ``hertz κ ν`` with its own."""
+    if "law" not in table.facts:
         return None
     words, line = table.facts["law"]
     kind, *rest = words.split() or [""]
-    κ = numbers["stiffness"]
-    if kind == "linear":
-        return Linear(κ, numbers.get("stiffness_ratio", 0.5))
+    if kind == "linear" and "stiffness" in numbers:
+        return Linear(numbers["stiffness"], numbers.get("stiffness_ratio", 0.5))
+    if kind != "hertz" or len(rest) not in (1, 2):
+        raise table.text.problem(
+            "damaged",
+            f"the law {words!r} is neither 'linear' with a stiffness nor 'hertz κ ν'",
+            line,
+        )
     try:
-        if kind == "hertz":
-            return Hertz(κ, float(rest[0])) if rest else Hertz(κ)
+        return Hertz(*map(float, rest))
     except ValueError as error:
         raise table.text.problem("damaged", f"law: {error}", line) from None
-    raise table.text.problem("damaged", f"the law {kind!r} is neither linear nor hertz", line)
 
 
 def cell_of(table: Table) -> Floats | None:

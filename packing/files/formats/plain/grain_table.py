@@ -80,7 +80,7 @@ def snapshot_of(table: Table, other: Path | None) -> Snapshot:
         )  # fmt: skip
         rows = found.rows
         forces = {
-            "pairs": rows.pairs, "images": rows.images, "normal_forces": rows.normal,
+            "pairs": rows.pairs, "images": rows.images, "normals": rows.normals, "normal_forces": rows.normal,
             "tangential_forces": rows.tangential, "contact_lines": rows.lines,
             "contact_source": other.name, "notes": found.notes, "uncertainty": found.uncertainty,
         }  # fmt: skip
