@@ -21,6 +21,7 @@ from packing.measurement import Measurement, Uncertainty
 from packing.note import Note
 from packing.provenance import Provenance
 from packing.reading.law_found import with_law
+from packing.reading.missing_contacts import refuse_half_a_list
 from packing.reading.told import with_told
 from packing.reading.units import in_mean_diameters
 from packing.reading.weight import with_weight
@@ -52,8 +53,10 @@ def understood(s: Snapshot, name: str, told: dict[str, Any]) -> Packing | Measur
         try:
             packing = _packing(s)
         except ValueError as error:
+            refuse_half_a_list(s)
             return _measured(s, name, _refusal(error, s))
-        return noted(packing, s.source, name, (*s.notes, *_others(diagnose(packing), s)))
+        found = (*s.notes, *_pressure(s), *_others(diagnose(packing), s))
+        return noted(packing, s.source, name, found)
     return _measured(s, name, missing)
 
 
@@ -106,6 +109,19 @@ def _stiffness(s: Snapshot, pressure: float | None) -> float | None:
     if s.stiffness is None and s.law is not None and pressure is not None and pressure > 0:
         return pressure / s.law.delta(pressure)
     return s.stiffness
+
+
+def _pressure(s: Snapshot) -> tuple[Note, ...]:
+    """How the pressure was found, if nobody told it."""
+    seen = Seen.of(s)
+    if s.pressure is not None:
+        return ()
+    where = "of the box around the grains" if seen.boundary.area is None else "of the boundary"
+    note = Note(
+        "information", "pressure", f"p = Σ f_n r/2A = {seen.virial:.6g}, with the area A = "
+        f"{seen.area:.6g} {where}", s.source, number=seen.virial,
+    )  # fmt: skip
+    return (note,)
 
 
 def _friction(seen: Seen) -> float:

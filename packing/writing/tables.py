@@ -97,7 +97,7 @@ def _contacts(p: PackingData | Measurement, forces: Forces, errors: Forces) -> s
 def _table(columns: dict[str, Any]) -> str:
     rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
     lines = [",".join(map(_number, row)) for row in rows]
-    return "\n".join([",".join(columns), *lines]) + "\n"
+    return "\n".join([f"# rows: {len(lines)}", ",".join(columns), *lines]) + "\n"
 
 
 def _number(value: Any) -> str:

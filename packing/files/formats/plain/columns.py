@@ -1,5 +1,7 @@
 """A table with a header: lines ``# name: values``, a line of column names, rows of numbers.
 
+``# rows: 60`` says how many there are.
+
 Names of columns are compared without case, blanks, underscores and what stands in brackets, which is
 a unit: ``F_n [N]`` is ``fn`` in newtons.
 """
@@ -85,8 +87,19 @@ def table_of(text: Text, named: Sequence[str] | None = None) -> Table:
     units = {n: u[1].strip() for n, w in zip(names, words, strict=True) if (u := _UNIT.search(w))}
     rows = [k for k in range(start, len(text.lines)) if text.lines[k].strip()]
     values = text.numbers(rows, len(names), separator)
+    _refuse_other_count(text, facts, len(rows))
     lines = np.array(rows, dtype=np.int64) + 1
     return Table(text, names, units, values, lines, start - 1, facts)
+
+
+def _refuse_other_count(text: Text, facts: Mapping[str, tuple[str, int]], rows: int) -> None:
+    if "rows" not in facts or facts["rows"][0] == str(rows):
+        return
+    announced, line = facts["rows"]
+    raise text.problem(
+        "cut-short", f"line {line + 1} announces {announced[:20]} rows, {rows} are there",
+        len(text.lines) - 1, rows,
+    )  # fmt: skip
 
 
 def _facts(text: Text) -> tuple[dict[str, tuple[str, int]], int]:
