@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from packing.contact_law import Hertz, Linear, law_between
-from packing.diagnosis import diagnose, sizes
+from packing.diagnosis import diagnose, pixels, sizes
 from packing.files.problem import FileProblem
 from packing.files.snapshot import Snapshot
 from packing.law_record import law_record
@@ -55,7 +55,8 @@ def understood(s: Snapshot, name: str, told: dict[str, Any]) -> Packing | Measur
         except ValueError as error:
             refuse_half_a_list(s)
             return _measured(s, name, _refusal(error, s))
-        found = (*s.notes, *_pressure(s), *_others(diagnose(packing), s))
+        seen = (*pixels(Seen.of(s), s.length_unit), *diagnose(packing))
+        found = (*s.notes, *_pressure(s), *_others(seen, s))
         return noted(packing, s.source, name, found)
     return _measured(s, name, missing)
 

@@ -15,7 +15,8 @@ class Dump:
     """How the dumps are written.
 
     ``number`` the format of numbers; ``coordinates`` x, xu, xs or xsu; ``order`` of the columns of
-    contacts; ``second`` forces on the second grain; ``reverse`` names each contact (j, i).
+    contacts; ``second`` forces on the second grain; ``reverse`` names each contact (j, i);
+    ``viscous`` dashpot times the velocities, which are then in the dump.
     """
 
     number: str = "%.17g"
@@ -24,6 +25,7 @@ class Dump:
     second: bool = False
     reverse: bool = False
     frames: int = 1
+    viscous: float = 0.0
 
     def write(self, folder: Path, p: Packing) -> tuple[Path, Path]:
         """NAME.atoms and NAME.contacts."""
@@ -59,25 +61,36 @@ class Dump:
         if self.coordinates == "xu":
             values = x
         order = np.random.default_rng(1).permutation(len(x))
-        rows = [self._row([*values[k].tolist(), int(k) + 1, float(2 * p.radii[k])]) for k in order]
+        v = velocities(p) if self.viscous else np.zeros((len(x), 0))
+        rows = [
+            self._row([*values[k].tolist(), int(k) + 1, float(2 * p.radii[k]), *v[k].tolist()])
+            for k in order
+        ]
         head = self._head(p, step, len(x), "ATOMS")
-        names = f"ITEM: ATOMS x{suffix} y{suffix} id diameter"
+        names = f"ITEM: ATOMS x{suffix} y{suffix} id diameter" + " vx vy" * bool(self.viscous)
         return head + "\n".join([names, *rows]) + "\n"
 
     def _contacts(self, p: Packing, step: int, stretch: float) -> str:
         d = p.branches
         n = np.column_stack([d.real, d.imag]) / np.abs(d)[:, None]
         t = np.column_stack([-n[:, 1], n[:, 0]])
-        along, across = -p.normal_forces[:, None] * n, p.tangential_forces[:, None] * t
+        v = velocities(p)[p.pairs[:, 0]] - velocities(p)[p.pairs[:, 1]]
+        f_n = p.normal_forces + self.viscous * np.sum(v * n, axis=1)
+        along, across = -f_n[:, None] * n, p.tangential_forces[:, None] * t
         sign = (-1.0 if self.second else 1.0) * (-1.0 if self.reverse else 1.0)
         rows = []
         for e, (i, j) in enumerate(p.pairs.tolist()):
             first, other = (j, i) if self.reverse else (i, j)
             values = [
-                first + 1, other + 1, float(abs(d[e])), float(p.normal_forces[e]),
+                first + 1, other + 1, float(abs(d[e])), float(f_n[e]),
                 *(sign * along[e] * stretch).tolist(), *(sign * across[e] * stretch).tolist(),
             ]  # fmt: skip
             rows.append(self._row([values[k] for k in self.order]))
         names = [f"c_pd[{k + 1}]" for k in self.order]
         head = self._head(p, step, len(rows), "ENTRIES")
         return head + "\n".join([f"ITEM: ENTRIES {' '.join(names)}", *rows]) + "\n"
+
+
+def velocities(p: Packing) -> np.ndarray:
+    """Of order one, (N, 2)."""
+    return np.random.default_rng(2).normal(size=(len(p.radii), 2))

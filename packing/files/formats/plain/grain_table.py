@@ -33,7 +33,9 @@ def recognises(path: Path, head: str) -> bool:
     for line in head.split("\n"):
         words = {plain_name(w) for w in re.split(r"[\s,;]+", line.lstrip("#"))}
         words |= {plain_name(w) for w in re.split("[,;\t]", line.lstrip("#"))}
-        if {"x", "y"} <= words or (words & set(FIRST) and words & set(SECOND)):
+        if words & set(X) and words & {*Y, *RADIUS, *DIAMETER}:
+            return True
+        if words & set(FIRST) and words & set(SECOND):
             return True
         if not line.startswith("#") and line.strip():
             return False
