@@ -2,6 +2,7 @@
 
     x y r                       pixels (rm: metres)        id
     forces alphas neighbours    |F|, angle to the normal, number of the other disk (<= 0: a wall)
+    betas                       direction in which the contact lies
 
 f_n = F cos α, f_t = F sin α, each contact read from both of its disks.
 """
@@ -50,9 +51,9 @@ def read(path: Path, *, metre_per_pixel: float | None = None) -> Snapshot:
     radii = good_radii(table[:, 3], text, lines)
     grains = Grains(text, grain_ids(table[:, 0], text, lines), table[:, 1:3], radii, lines)
     found = [
-        (k, neighbour, force * np.cos(alpha), force * np.sin(alpha))
+        (k, neighbour, force * np.cos(alpha), force * np.sin(alpha), np.cos(beta), np.sin(beta))
         for k, p in enumerate(particles)
-        for neighbour, force, alpha in _contacts(p, k, text)
+        for neighbour, force, alpha, beta in _contacts(p, k, text)
     ]
     if not found:
         return Snapshot(
@@ -63,7 +64,9 @@ def read(path: Path, *, metre_per_pixel: float | None = None) -> Snapshot:
     other = np.full(len(contacts), -1)
     inner = contacts[:, 1] > 0
     other[inner] = places(contacts[inner, 1:2], grains.ids, text, place[inner] + 1)[:, 0]
-    readings = Readings(text, place, other, contacts[:, 2], contacts[:, 3], place + 1)
+    readings = Readings(
+        text, place, other, contacts[:, 2], contacts[:, 3], place + 1, contacts[:, 4:]
+    )
     return snapshot_of(grains, readings, metre_per_pixel)
 
 
@@ -114,14 +117,17 @@ def _values(particle: Any, name: str, k: int, text: Text) -> Floats:
     return value
 
 
-def _contacts(particle: Any, k: int, text: Text) -> list[tuple[float, float, float]]:
-    """(number of the neighbour, force, angle) of each contact; () before diskSolve."""
-    columns = [_values(particle, name, k, text) for name in ("neighbours", "forces", "alphas")]
+def _contacts(particle: Any, k: int, text: Text) -> list[tuple[float, ...]]:
+    """(number of the neighbour, force, α, β) of each contact; () before diskSolve."""
+    columns = [
+        _values(particle, name, k, text) for name in ("neighbours", "forces", "alphas", "betas")
+    ]
     if columns[1].size == 0:
         return []
     if len({c.size for c in columns}) > 1:
         raise text.problem(
-            "damaged", f"particle {k + 1} has {columns[0].size} neighbours, {columns[1].size} forces "
-            f"and {columns[2].size} angles", k,
+            "damaged", f"particle {k + 1} has {columns[0].size} neighbours, {columns[1].size} forces, "
+            f"{columns[2].size} alphas and {columns[3].size} betas", k,
         )  # fmt: skip
-    return [(float(n), abs(float(f)), float(a)) for n, f, a in zip(*columns, strict=True)]
+    columns[1] = np.abs(columns[1])
+    return [tuple(map(float, row)) for row in zip(*columns, strict=True)]
