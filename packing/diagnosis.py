@@ -130,11 +130,11 @@ def coarseness(seen: Seen) -> Iterator[Note]:
 
 
 def pixels(seen: Seen, unit: str) -> Iterator[Note]:
-    """Lengths in pixels: whole or rounded numbers far above one."""
+    """Lengths in pixels: said so, or radii of whole or half pixels, of which a disk has many."""
     if unit not in ("", "px") or seen.radii is None:
         return
     radius = float(seen.radii.mean())
-    looks = radius > _PIXEL and resolution(seen.radii).kind in ("0 decimals", "1 decimals")
+    looks = radius > _PIXEL and bool((2 * seen.radii == np.round(2 * seen.radii)).all())
     if unit == "px" or looks:
         yield Note(
             "warning", "pixels", f"lengths are in pixels (mean radius {radius:.4g}): overlaps have "

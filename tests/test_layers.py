@@ -25,6 +25,7 @@ PLAN = (
     "packing.files.formats",
     "packing",
     "packing.reading",
+    "packing.writing",
     "dem.model",
     "dem.motion.kernels",
     "dem.motion",

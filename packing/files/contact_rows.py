@@ -57,15 +57,13 @@ class ContactRows:
         normals = self.normals
         if normals is not None:
             normals = np.where(back[:, None], -normals, normals)
-        return replace(
-            self, pairs=pairs, images=seen_ahead(pairs, images), normals=normals
-        )  # fmt: skip
+        return replace(self, pairs=pairs, images=seen_ahead(pairs, images), normals=normals)
 
 
 def ordered(
     rows: ContactRows, grains: int, text: Text, zeros: bool = False
 ) -> tuple[ContactRows, tuple[Note, ...]]:
-    """The rows with i <= j, sorted, each once, those with walls last; and what was left out.
+    """The rows with i <= j, each once, those with walls last; and what was left out.
 
     ``zeros``: keep those that bear no force.  FileProblem: a grain with itself, a contact that is
     listed twice with other forces.
@@ -96,8 +94,7 @@ def ordered(
     rows = rows.turned()
     rows, twice = _once(rows, text)
     at_wall = rows.pairs[:, 1] >= grains
-    order = np.lexsort((*rows.images.T[::-1], rows.pairs[:, 1], rows.pairs[:, 0], at_wall))
-    return rows.kept(order), (*found, *twice)
+    return rows.kept(np.argsort(at_wall, kind="stable")), (*found, *twice)
 
 
 def _once(rows: ContactRows, text: Text) -> tuple[ContactRows, list[Note]]:

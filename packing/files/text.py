@@ -180,7 +180,7 @@ def _bytes(path: Path, most: int | None = None) -> bytes:
             while part := stream.read(_CHUNK if most is None else min(_CHUNK, most - size)):
                 parts.append(part)
                 size += len(part)
-                if size > limit:
+                if most is None and size > limit:
                     raise Text(path, []).problem(
                         "too-large", f"the file has more than {limit:.3g} bytes, which do not fit "
                         "into memory", number=size,

@@ -11,7 +11,6 @@ NAMES = {
     "uneven-rows": "a row has more or fewer entries than the others",
     "missing-column": "a column that is needed is not there",
     "missing-file": "the packing needs a second file, or an option, that was not given",
-    "unknown-option": "the format has no option of that name",
     "unknown-grain": "a contact names a grain that is not there",
     "grain-twice": "two grains have the same number",
     "bad-radius": "a radius is not positive",

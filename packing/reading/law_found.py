@@ -43,9 +43,9 @@ def with_law(s: Snapshot) -> Snapshot:
         return _unshown(s, seen)
     if s.law is None:
         return _with_viscous(_shown(s, best), seen, best.misfit)
-    if type(best.law) is type(s.law):
-        _refuse_other(s, best.law.stiffness)
-    return replace(s, stiffness=s.stiffness or getattr(s.law, "stiffness", None))
+    if isinstance(s.law, Linear | Hertz) and type(best.law) is type(s.law):
+        _refuse_other(s, s.law.stiffness, best.law.stiffness)
+    return s
 
 
 def _clear(best: Fit | None, other: Fit | None) -> Fit | None:
@@ -57,7 +57,8 @@ def _clear(best: Fit | None, other: Fit | None) -> Fit | None:
 
 def _shown(s: Snapshot, best: Fit) -> Snapshot:
     """The law shown by the forces, with the κ that was told, if it agrees."""
-    _refuse_other(s, best.law.stiffness)
+    if s.stiffness is not None:
+        _refuse_other(s, s.stiffness, best.law.stiffness)
     κ = best.law.stiffness if s.stiffness is None else s.stiffness
     law: Linear | Hertz = replace(best.law, stiffness=κ)
     kind = "Hertz, f_n = κ √(4R) δ^(3/2)"
@@ -68,14 +69,14 @@ def _shown(s: Snapshot, best: Fit) -> Snapshot:
         "information", "guessed", f"forces and overlaps show {kind} with κ = "
         f"{best.law.stiffness:.6g}, to {best.misfit:.1e} of ⟨f_n⟩", s.source, number=best.misfit,
     )  # fmt: skip
-    return replace(s, law=law, stiffness=κ, notes=(*s.notes, note))
+    return replace(s, law=law, notes=(*s.notes, note))
 
 
 def _unshown(s: Snapshot, seen: Seen) -> Snapshot:
     """Where forces and overlaps show no law: springs, if κ alone was told; refused, if forces over
     overlaps are another order of magnitude than κ."""
-    if s.stiffness is None:
-        return replace(s, stiffness=getattr(s.law, "stiffness", None))
+    if s.stiffness is None or s.law is not None:
+        return s
     if seen.overlaps is not None and seen.normal is not None and _pushing(seen.overlaps):
         given = float(seen.normal.sum() / seen.overlaps.sum())
         if s.law is None and not 0.1 < given / s.stiffness < 10:
@@ -89,17 +90,17 @@ def _pushing(overlaps: np.ndarray) -> bool:
     return bool(len(overlaps) and np.mean(overlaps > 0) > 0.9)
 
 
-def _refuse_other(s: Snapshot, shown: float) -> None:
-    if s.stiffness is not None and abs(s.stiffness / shown - 1) > _AGREES:
-        raise FileProblem(_mixed(s, shown))
+def _refuse_other(s: Snapshot, told: float, shown: float) -> None:
+    if abs(told / shown - 1) > _AGREES:
+        raise FileProblem(_mixed(s, told, shown))
 
 
-def _mixed(s: Snapshot, shown: float) -> Note:
+def _mixed(s: Snapshot, told: float, shown: float) -> Note:
     line = None if s.contact_lines is None or not len(s.contact_lines) else int(s.contact_lines[0])
     return Note(
-        "error", "units-mixed", f"forces over overlaps give κ = {shown:.4g}, but κ = {s.stiffness:.4g} "
-        f"is stated, a factor of {s.stiffness / shown:.3g}: forces and lengths are not in the units "  # type: ignore[operator]
-        "of κ", s.contact_source or s.source, line, s.stiffness / shown,  # type: ignore[operator]
+        "error", "units-mixed", f"forces over overlaps give κ = {shown:.4g}, but κ = {told:.4g} is "
+        f"stated, a factor of {told / shown:.3g}: forces and lengths are not in the units of κ",
+        s.contact_source or s.source, line, told / shown,
     )  # fmt: skip
 
 

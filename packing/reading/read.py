@@ -122,7 +122,9 @@ def _recognised(source: Path, head: str) -> str:
     for name, each in table.FORMATS.items():
         if each.recognises(source, head):
             return name
-    first = head.strip().splitlines()[0][:60] if head.strip() else ""
+    if not head.strip():
+        raise FileProblem(Note("error", "no-grains", "the file is empty", source.name, number=0))
+    first = head.strip().splitlines()[0][:60]
     raise FileProblem(
         Note(
             "error",

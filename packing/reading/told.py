@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
 from packing.arguments.arrays import real_array
-from packing.arguments.numbers import choice, number_from_zero, positive_number
-from packing.contact_law import Hertz, Linear, is_law
+from packing.arguments.numbers import (
+    choice,
+    instance,
+    number_from_zero,
+    positive_number,
+    shown,
+)
+from packing.contact_law import ContactLaw, Hertz, Linear, is_law
 from packing.files.snapshot import Snapshot
+from packing.measurement import Uncertainty
 
 OPTIONS = (
     "stiffness", "law", "friction", "pressure", "gravity", "sizes", "length_unit", "force_unit",
@@ -20,38 +28,58 @@ OPTIONS = (
 
 
 def with_told(s: Snapshot, told: dict[str, Any]) -> Snapshot:
-    """The snapshot with ``stiffness``, ``friction``, ``pressure``, ``length_unit``, ``force_unit``,
-    ``uncertainty`` as told; sizes halved where they were diameters.
+    """The snapshot with what was told in place of what the file says; sizes halved if diameters.
 
     ValueError: a wrong value, with the name of the option.
     """
-    new: dict[str, Any] = {}
-    for name in ("stiffness", "pressure"):
-        if told.get(name) is not None:
-            new[name] = positive_number(name, told[name])
-    if told.get("friction") is not None:
-        new["friction"] = number_from_zero("friction", told["friction"])
-    for name in ("length_unit", "force_unit"):
-        if told.get(name) is not None:
-            new[name] = str(told[name])
-    if told.get("uncertainty") is not None:
-        new["uncertainty"] = {**s.uncertainty, **told["uncertainty"]}
-    if choice("sizes", told.get("sizes", "radii"), ("radii", "diameters")) == "diameters":
+    given = {name: value for name, value in told.items() if value is not None}
+    new: dict[str, Any] = {
+        name: _CHECKS[name](name, value) for name, value in given.items() if name in _CHECKS
+    }
+    if "uncertainty" in given:
+        new["uncertainty"] = {**s.uncertainty, **_uncertainty(given["uncertainty"])}
+    if choice("sizes", given.get("sizes", "radii"), ("radii", "diameters")) == "diameters":
         new["radii"] = None if s.radii is None else s.radii / 2
-    law = told.get("law")
-    if law is not None and not is_law(law):
-        choice("law", law, ("linear", "hertz"))
-        stiffness = new.get("stiffness", s.stiffness)
-        if stiffness is None:
-            raise ValueError(f"law = {law!r} needs a stiffness")
-        law = Hertz(stiffness) if law == "hertz" else Linear(stiffness)
+    law = _law(given.get("law"), new.get("stiffness", s.stiffness))
+    if law is None and "stiffness" in new and isinstance(s.law, Linear | Hertz):
+        law = replace(s.law, stiffness=new["stiffness"])
     if law is not None:
-        new["law"] = law
-        if isinstance(law, Linear | Hertz):
-            new["stiffness"] = law.stiffness
-    elif "stiffness" in new:
-        new["law"] = None if s.law is None else replace(s.law, stiffness=new["stiffness"])  # type: ignore[type-var]
+        new |= {"law": law, "stiffness": law.stiffness if isinstance(law, Linear) else None}
     return replace(s, **new)
+
+
+def _law(law: Any, stiffness: float | None) -> ContactLaw | None:
+    """The law itself, or that of this name with κ = ``stiffness``."""
+    if law is None or is_law(law):
+        return law  # type: ignore[no-any-return]
+    choice("law", law, ("linear", "hertz"))
+    if stiffness is None:
+        raise ValueError(f"law = {law!r} needs a stiffness")
+    return Hertz(stiffness) if law == "hertz" else Linear(stiffness)
+
+
+def _text(name: str, value: Any) -> str:
+    return instance(name, value, str)
+
+
+def _uncertainty(told: Any) -> dict[str, Any]:
+    if not isinstance(told, dict):
+        raise ValueError(f"uncertainty = {shown(told)} is no dictionary")
+    known = [f.name for f in fields(Uncertainty)]
+    for name in told:
+        choice("a key of uncertainty", name, known)
+    return {
+        name: number_from_zero(f"uncertainty[{name!r}]", value)
+        if np.ndim(value) == 0
+        else real_array(f"uncertainty[{name!r}]", value)
+        for name, value in told.items()
+    }
+
+
+_CHECKS: dict[str, Callable[[str, Any], Any]] = {
+    "stiffness": positive_number, "pressure": positive_number, "friction": number_from_zero,
+    "length_unit": _text, "force_unit": _text,
+}  # fmt: skip
 
 
 def told_gravity(gravity: Any) -> Any:

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from packing.contact_law import Hertz, law_between
-from packing.diagnosis import diagnose, sizes
+from packing.contact_law import Hertz, Linear, law_between
+from packing.diagnosis import diagnose, pixels, sizes
 from packing.files.problem import FileProblem
 from packing.files.snapshot import Snapshot
 from packing.law_record import law_record
@@ -21,6 +21,7 @@ from packing.measurement import Measurement, Uncertainty
 from packing.note import Note
 from packing.provenance import Provenance
 from packing.reading.law_found import with_law
+from packing.reading.missing_contacts import refuse_half_a_list
 from packing.reading.told import with_told
 from packing.reading.units import in_mean_diameters
 from packing.reading.weight import with_weight
@@ -52,8 +53,11 @@ def understood(s: Snapshot, name: str, told: dict[str, Any]) -> Packing | Measur
         try:
             packing = _packing(s)
         except ValueError as error:
+            refuse_half_a_list(s)
             return _measured(s, name, _refusal(error, s))
-        return noted(packing, s.source, name, (*s.notes, *_others(diagnose(packing), s)))
+        seen = (*pixels(Seen.of(s), s.length_unit), *diagnose(packing))
+        found = (*s.notes, *_pressure(s), *_others(seen, s))
+        return noted(packing, s.source, name, found)
     return _measured(s, name, missing)
 
 
@@ -83,24 +87,42 @@ def _missing(s: Snapshot) -> Note | None:
 
 def _packing(s: Snapshot) -> Packing:
     seen = Seen.of(s)
-    assert s.normal_forces is not None and s.law is not None and s.radii is not None
+    assert s.normal_forces is not None
     f_t = s.tangential_forces
-    told_law = isinstance(s.law, Hertz)
-    virial = seen.virial
+    pressure = seen.virial if s.pressure is None else s.pressure
+    hertz = isinstance(s.law, Hertz)
     return Packing(
-        s.positions, s.radii, s.cell, seen.pairs, seen.images, s.normal_forces,
+        s.positions, s.radii, s.cell, seen.pairs, seen.images, s.normal_forces,  # type: ignore[arg-type]
         np.zeros(len(seen.pairs)) if f_t is None else f_t,
         np.zeros((seen.grains, 3)) if s.external is None else s.external,
-        stiffness=_stiffness(s), pressure=virial if s.pressure is None else s.pressure,  # type: ignore[arg-type]
+        stiffness=_stiffness(s, pressure), pressure=pressure,  # type: ignore[arg-type]
         friction=s.friction if s.friction is not None else _friction(seen),
         stiffness_ratio=s.stiffness_ratio,
-        provenance=Provenance(scene={"contact": law_record(s.law)} if told_law else None),
+        provenance=Provenance(scene={"contact": law_record(s.law)} if hertz else None),  # type: ignore[arg-type]
         walls=s.walls,
     )  # fmt: skip
 
 
-def _stiffness(s: Snapshot) -> float:
-    return float(getattr(s.law, "stiffness", s.stiffness))
+def _stiffness(s: Snapshot, pressure: float | None) -> float | None:
+    """κ of springs; p/Δ of Hertz's law, as `dem` has it."""
+    if isinstance(s.law, Linear):
+        return s.law.stiffness
+    if s.stiffness is None and s.law is not None and pressure is not None and pressure > 0:
+        return pressure / s.law.delta(pressure)
+    return s.stiffness
+
+
+def _pressure(s: Snapshot) -> tuple[Note, ...]:
+    """How the pressure was found, if nobody told it."""
+    seen = Seen.of(s)
+    if s.pressure is not None:
+        return ()
+    where = "of the box around the grains" if seen.boundary.area is None else "of the boundary"
+    note = Note(
+        "information", "pressure", f"p = Σ f_n r/2A = {seen.virial:.6g}, with the area A = "
+        f"{seen.area:.6g} {where}", s.source, number=seen.virial,
+    )  # fmt: skip
+    return (note,)
 
 
 def _friction(seen: Seen) -> float:
@@ -122,6 +144,7 @@ def _measured(s: Snapshot, name: str, why: Note) -> Measurement:
         law = law_between(law, s.radii, s.pairs)
     uncertainty = Uncertainty(**s.uncertainty)
     values = {k: getattr(s, k) for k in fields} | {"law": law, "uncertainty": uncertainty}
+    values["stiffness"] = _stiffness(s, s.pressure)
     try:
         found = Measurement(**values, format=name)
     except ValueError as error:

@@ -35,6 +35,7 @@ def in_mean_diameters(s: Snapshot) -> Snapshot:
     return replace(
         s, positions=s.positions / size, radii=s.radii / size,
         cell=None if s.cell is None else s.cell / size, external=external, walls=walls, law=law,
-        stiffness=law.stiffness, pressure=None if s.pressure is None else s.pressure * size,
+        stiffness=None if s.stiffness is None else s.stiffness * size,
+        pressure=None if s.pressure is None else s.pressure * size,
         notes=(*s.notes, note),
     )  # fmt: skip

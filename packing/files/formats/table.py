@@ -8,11 +8,22 @@ from pathlib import Path
 from types import ModuleType
 
 from packing.files.formats import jambashbulk, mercury, rigid_library
-from packing.files.formats.lammps import dump
-from packing.files.formats.photoelastic import tables
+from packing.files.formats.lammps import data, dump
+from packing.files.formats.photoelastic import pegs_mat, tables
+from packing.files.formats.plain import grain_table, yade
 from packing.files.snapshot import Snapshot
 
-MODULES: tuple[ModuleType, ...] = (dump, mercury, jambashbulk, rigid_library, tables)
+MODULES: tuple[ModuleType, ...] = (
+    dump,
+    data,
+    mercury,
+    jambashbulk,
+    rigid_library,
+    pegs_mat,
+    tables,
+    yade,
+    grain_table,
+)
 """In the order in which a file is shown to them: those that know their files best come first."""
 
 

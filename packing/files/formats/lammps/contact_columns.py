@@ -84,21 +84,21 @@ def guessed_vectors(
     r = np.hypot(*branches.T)
     n = branches / r[:, None]
     t = np.column_stack([-n[:, 1], n[:, 0]])
-    found: dict[str, tuple[int, int]] = {}
-    for k in range(table.shape[1] - 1):
-        if {k, k + 1} & {*taken, *(c for pair in found.values() for c in pair)}:
-            continue
-        v = table[:, k : k + 2]
-        along, across = np.sum(v * n, axis=1), np.sum(v * t, axis=1)
-        size = float(np.sqrt(np.mean(along**2 + across**2)))
-        lengths = np.allclose(np.abs(along), r, rtol=1e-4)  # the line of centres itself
-        if size == 0 or lengths:
-            continue
-        if np.sqrt(np.mean(across**2)) < _PARALLEL * size:
-            found.setdefault("normal", (k, k + 1))
-        elif np.sqrt(np.mean(along**2)) < _PARALLEL * size and "normal" in found:
-            found.setdefault("tangential", (k, k + 1))
-    return found
+    parts: dict[str, tuple[int, int]] = {}
+    for name, wanted, other in (("normal", n, t), ("tangential", t, n)):
+        for k in range(table.shape[1] - 1):
+            if {k, k + 1} & {*taken, *(c for pair in parts.values() for c in pair)}:
+                continue
+            v = table[:, k : k + 2]
+            along, across = np.sum(v * wanted, axis=1), np.sum(v * other, axis=1)
+            size = float(np.sqrt(np.mean(along**2)))
+            lengths = np.allclose(np.abs(along), r, rtol=1e-4)  # the line of centres itself
+            if size > 0 and not lengths and np.sqrt(np.mean(across**2)) < _PARALLEL * size:
+                parts[name] = (k, k + 1)
+                break
+    if "normal" not in parts:
+        parts.pop("tangential", None)
+    return parts
 
 
 def guess_note(frame: Frame, columns: Columns) -> Note:

@@ -34,7 +34,8 @@ class Grains:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Directed contacts: grain, place of the other grain (-1: a wall), f_n, f_t, lines."""
+    """Directed contacts: grain, place of the other grain (-1: a wall), f_n, f_t, lines; and, where
+    the file has it, the direction in which the contact lies (c, 2)."""
 
     text: Text
     grain: Integers
@@ -42,6 +43,7 @@ class Readings:
     normal: Floats
     tangential: Floats
     lines: Integers
+    directions: Floats | None = None
 
 
 def snapshot_of(grains: Grains, readings: Readings, metre_per_pixel: float | None) -> Snapshot:
@@ -56,7 +58,8 @@ def snapshot_of(grains: Grains, readings: Readings, metre_per_pixel: float | Non
     notes, walls = m.notes, None
     if at_wall.any():
         touching = readings.grain[at_wall]
-        side, walls, note = _nearest_sides(grains, touching, readings.text)
+        towards = None if readings.directions is None else readings.directions[at_wall]
+        side, walls, note = _nearest_sides(grains, touching, towards, readings.text)
         sides = np.column_stack([touching, len(grains.ids) + side])
         _, first = np.unique(sides, axis=0, return_index=True)
         pairs = np.concatenate([pairs, sides[first]])
@@ -89,15 +92,30 @@ def _zeros(readings: Readings, none: np.ndarray, lines: Integers) -> Note:
     )  # fmt: skip
 
 
-def _nearest_sides(grains: Grains, touching: Integers, text: Text) -> tuple[Integers, Walls, Note]:
+def _nearest_sides(
+    grains: Grains, touching: Integers, towards: Floats | None, text: Text
+) -> tuple[Integers, Walls, Note]:
+    """(side of each contact, the sides as walls, a note): the side in whose direction the contact
+    lies, or that is nearest; of several contacts of one grain the first has the nearest, and so on.
+    """
     x, R = grains.positions[touching], grains.radii[touching]
     reach = x @ _SIDES.T + R[:, None]
     offsets = reach.max(axis=0)
-    side = (offsets - reach).argmin(axis=1)
+    earlier = np.array([np.sum(touching[:k] == g) for k, g in enumerate(touching.tolist())])
+    if towards is not None:
+        side = (towards @ _SIDES.T).argmax(axis=1)
+    else:
+        nearest = (offsets - reach).argsort(axis=1, kind="stable")
+        side = nearest[np.arange(len(touching)), np.minimum(earlier, 3)]
     kept, side = np.unique(side, return_inverse=True)
+    unclear = 0 if towards is not None else int(np.sum(earlier > 0))
+    corner = (
+        f"; {unclear} grains touch two, and which force is of which is not known"
+        if unclear
+        else ""
+    )
     note = text.note(
         "information", "guessed", f"{len(touching)} contacts are with walls whose lines the file does "
-        f"not say: taken for the nearest of {len(kept)} sides of the box around them",
-        None, len(touching),
+        f"not say: taken for {len(kept)} sides of the box around them{corner}", None, len(touching),
     )  # fmt: skip
     return np.reshape(side, -1), Walls(_SIDES[kept], offsets[kept]), note
