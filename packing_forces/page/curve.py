@@ -99,7 +99,7 @@ def _noisy(network: ContactNetwork, noise: DataNoise, rng: np.random.Generator) 
 
 def drawn(curve: Curve) -> Figure:
     """Log-log, from ξ/Δ = 1e-3 to 1e3, or as far out as the data are."""
-    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
+    figure = Figure(figsize=(4.8, 3.6), layout="constrained")
     axes = figure.subplots()
     here = curve.here
     low = LEAST if not here else min(LEAST, here / 10)
@@ -109,14 +109,14 @@ def drawn(curve: Curve) -> Figure:
         axes.plot(ratios, C * ratios, color=COLOURS.get(name, "k"), label=f"{name}, C = {C:.2g}")
     if curve.tried:
         axes.plot(
-            *np.transpose(curve.tried), "o:", color=COLOURS["bounded"], markersize=5,
+            *np.transpose(curve.tried), "o:", color=COLOURS["bounded"], markersize=4,
             label="bounded, one draw each",
         )  # fmt: skip
     axes.axhline(curve.flat, color="0.4", linestyle="--", label="all forces equal")
     if here:
         axes.axvline(here, color="k", linewidth=1)
         for name, error in curve.errors_here.items():
-            axes.plot(here, error, "D", color=COLOURS.get(name, "k"), markersize=6)
+            axes.plot(here, error, "D", color=COLOURS.get(name, "k"), markersize=5)
         side = "right" if here > np.sqrt(low * high) else "left"
         axes.annotate(
             "you are here", (here, 1), xycoords=("data", "axes fraction"),
@@ -127,5 +127,5 @@ def drawn(curve: Curve) -> Figure:
     )
     least = min([*curve.prefactors.values(), 0.02]) * low
     axes.set_ylim(max(least, 1e-16), 1e2)
-    axes.legend(fontsize=8, frameon=False, loc="upper left")
+    axes.legend(fontsize=7.5, frameon=False, loc="upper left")
     return figure

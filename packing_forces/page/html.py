@@ -7,7 +7,7 @@ and wide tables that scroll by keyboard.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from html import escape
+from html import escape as escaped
 
 STYLE = """
 :root{color-scheme:light;--ink:#1b1b1b;--soft:#595959;--line:#d0d0d0;--mark:#0072b2}
@@ -24,7 +24,7 @@ background:#f3f8fb}
 figure{margin:0}
 figcaption{color:var(--soft);font-size:.9rem}
 img,svg{display:block;width:100%;height:auto}
-.curve svg{max-width:46rem}
+.curve svg{max-width:40rem}
 .wide{overflow-x:auto}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums}
 th,td{padding:.25rem .75rem;border-bottom:1px solid var(--line);text-align:right;
@@ -38,6 +38,11 @@ a{color:#005a8c}
 @media print{.skip{display:none}details>*{display:block}}
 @media(max-width:30rem){th,td{padding:.25rem .4rem}body{padding:.75rem}}
 """
+
+
+def escape(text: str) -> str:
+    """As text of a page; a number and its percent sign stay on one line."""
+    return escaped(text).replace(" %", "\u00a0%")
 
 
 def page(title: str, parts: Iterable[str]) -> str:
