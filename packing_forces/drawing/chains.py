@@ -6,6 +6,7 @@ forces that push and that pull have colours of their own; the widest line is fou
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from packing.arguments.numbers import instance, positive_number
 from packing.boundary.walls import FREE, Walls
 from packing_forces.drawing.copies import copies_within
 from packing_forces.drawing.window import discs, segments
-from scaling import ContactNetwork
+from scaling import CoarseCoordinatesWarning, ContactNetwork
 
 PUSH, PULL = "#0072B2", "#D55E00"
 CLIP = 4.0
@@ -69,7 +70,7 @@ def plot(
     --------
     >>> from matplotlib.figure import Figure
     >>> from packing_forces import plot
-    >>> from scaling import ContactNetwork
+    >>> from scaling import CoarseCoordinatesWarning, ContactNetwork
     >>> pair = ContactNetwork([[0, 0], [0.9, 0]], [0.5, 0.5], [(0, 1)])
     >>> axes = plot(pair, [1.0], axes=Figure().subplots())
     >>> len(axes.collections)
@@ -77,7 +78,9 @@ def plot(
     """
     if forces is None:
         forces = getattr(network, "normal_forces", None)
-    net = network if isinstance(network, ContactNetwork) else ContactNetwork.from_packing(network)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CoarseCoordinatesWarning)  # a picture computes no force
+        net = ContactNetwork.from_packing(network)
     if net.positions is None:
         raise ValueError("plot needs positions: this network has directions only")
     normal = None if forces is None else _normal(forces, net.contacts)

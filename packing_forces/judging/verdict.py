@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from packing_forces.answers.words import percent, power
 from packing_forces.judging.choice import Choice
 from packing_forces.judging.expected import Expected
 from packing_forces.judging.found import Found
 from packing_forces.known.case import Case
 from packing_forces.known.data_noise import written_with
+from scaling import force_equation
 
 DIGITS = (10, 17)
 """Formats worth writing: %.10g is enough for nearly everybody, %.17g for everybody."""
@@ -24,7 +27,8 @@ def verdict(case: Case, chosen: Choice, found: Found) -> str:
     said = [_errors(case, chosen, found)]
     if found.true_error is not None:
         said.append(
-            f"Against the forces of the file {found.method} is off by {percent(found.true_error)}."
+            f"Against the forces of the file {found.method} is off by {percent(found.true_error)}"
+            f"{_their_balance(case, found)}."
         )
     if found.error is not None and found.error > FLAT:
         said.append("That is no better than to take all forces for equal.")
@@ -38,6 +42,19 @@ def verdict(case: Case, chosen: Choice, found: Found) -> str:
     if advice:
         said.append(advice)
     return " ".join(said)
+
+
+def _their_balance(case: Case, found: Found) -> str:
+    """Forces of a file that balance no better than so are no better a measure."""
+    forces = case.forces
+    if forces is None or found.true_error is None:
+        return ""
+    equation = force_equation(case.network, case.frictional)
+    left = equation.M @ forces - equation.balance_rhs()
+    balance = float(np.sqrt(np.mean(left**2)) / np.abs(forces[: case.network.contacts]).mean())
+    if balance < found.true_error / 10 or found.true_error < 10 * (found.error or 0.0):
+        return ""
+    return f", and these balance to {power(balance)}"
 
 
 def errors(chosen: Choice, found: Found) -> dict[str, float]:

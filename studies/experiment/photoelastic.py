@@ -95,7 +95,9 @@ def geometry(data: Measurement) -> dict[str, float]:
     assert data.pairs is not None
     assert data.radii is not None
     assert data.normal_forces is not None
+    assert data.uncertainty.normal_forces is not None
     i, j = data.pairs.T
+    sides = np.asarray(data.uncertainty.normal_forces)
     unit = 2 * data.radii.mean()
     r = np.hypot(*(data.positions[j] - data.positions[i]).T)
     gaps, fn = (r - data.radii[i] - data.radii[j]) / unit, data.normal_forces
@@ -110,7 +112,7 @@ def geometry(data: Measurement) -> dict[str, float]:
         "xi": float(gaps.std()),
         "error": float(np.sqrt(np.mean(off**2)) / overlaps.mean()),
         "correlation": float(np.corrcoef(from_gaps, overlaps)[0, 1]),
-        "two_sided": float(np.sqrt(np.mean(np.square(data.uncertainty.normal_forces))) / fn.mean()),
+        "two_sided": float(np.sqrt(np.mean(np.square(sides))) / fn.mean()),
         "spread": float(fn.std() / fn.mean()),
     }
 
@@ -145,9 +147,10 @@ def lines() -> Iterator[str]:
     yield "| by geometry | |"
     yield "|---|---|"
     yield f"| contacts with a force | {g['contacts']:.0f} |"
-    yield f"| Δ = ⟨f_n⟩/(κ⟨σ⟩), and of the strongest 5 % | {g['delta']:.1e}, {g['strongest']:.1e} |"
-    yield f"| mean gap, and its scatter ξ, in ⟨σ⟩ | {g['gap']:.3f}, {g['xi']:.4f} |"
-    yield f"| ξ/Δ, and of the strongest 5 % | {g['xi'] / g['delta']:.0f}, {g['xi'] / g['strongest']:.0f} |"
+    Δ, strongest, ξ = g["delta"], g["strongest"], g["xi"]
+    yield f"| Δ = ⟨f_n⟩/(κ⟨σ⟩), and of the strongest 5 % | {Δ:.1e}, {strongest:.1e} |"
+    yield f"| mean gap, and its scatter ξ, in ⟨σ⟩ | {g['gap']:.3f}, {ξ:.4f} |"
+    yield f"| ξ/Δ, and of the strongest 5 % | {ξ / Δ:.0f}, {ξ / strongest:.0f} |"
     yield f"| E of f_n = κ (σ - r), mean gap taken out | {g['error']:.0f} |"
     yield f"| correlation of overlap and force | {g['correlation']:.2f} |"
     yield f"| noise of f_n, from its two sides | {g['two_sided']:.2f} |"
