@@ -126,8 +126,10 @@ def _contacts(particle: Any, k: int, text: Text) -> list[tuple[float, ...]]:
         return []
     if len({c.size for c in columns}) > 1:
         raise text.problem(
-            "damaged", f"particle {k + 1} has {columns[0].size} neighbours, {columns[1].size} forces, "
-            f"{columns[2].size} alphas and {columns[3].size} betas", k,
-        )  # fmt: skip
+            "damaged",
+            f"particle {k + 1} has {columns[0].size} neighbours, {columns[1].size} forces, "
+            f"{columns[2].size} alphas and {columns[3].size} betas",
+            k,
+        )
     columns[1] = np.abs(columns[1])
     return [tuple(map(float, row)) for row in zip(*columns, strict=True)]
