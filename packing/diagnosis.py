@@ -252,12 +252,12 @@ def at_rim(seen: Seen, loud: np.ndarray) -> bool:
         return False
     rims = np.zeros(seen.grains) if seen.radii is None else seen.radii
     low, high = seen.positions - rims[:, None], seen.positions + rims[:, None]
-    near = _RIM * seen.size
-    outwards = np.concatenate([low - low.min(axis=0), high.max(axis=0) - high], axis=1) < near
+    gaps = np.concatenate([low - low.min(axis=0), high.max(axis=0) - high], axis=1)
+    outwards = gaps < _RIM * seen.size
     push = np.concatenate([-seen.net[:, :2], seen.net[:, :2]], axis=1)
-    pushed = (outwards & (push > 0)).any(axis=1)
-    rim: np.ndarray = outwards.any(axis=1)
-    return bool(rim[loud].all() and np.mean(pushed[loud]) > 0.9)
+    pushed = np.sum(outwards & (push > 0), axis=1) > 0
+    rim = np.sum(outwards, axis=1) > 0
+    return bool(np.all(rim[loud]) and np.mean(pushed[loud]) > 0.9)
 
 
 def rattlers(seen: Seen, listed: bool) -> Iterator[Note]:

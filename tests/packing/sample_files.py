@@ -195,7 +195,8 @@ def pegs_mat(folder: Path) -> Sample:
             np.array([np.arctan2(row[2], row[3]) for row in own]),
             np.array(angles),
         )
-    savemat(folder / "a_solved.mat", {"particle": particles})
+    image = np.zeros((3, 4), dtype=np.uint8)
+    savemat(folder / "a_solved.mat", {"note": "solved", "image": image, "particle": particles})
     return folder / "a_solved.mat", {}
 
 

@@ -112,7 +112,8 @@ def _sections(text: Text) -> dict[str, range]:
     found.setdefault("Boundaries", range(0))
     for name, rows in found.items():
         there = min(rows.stop, len(text.lines)) - rows.start
-        wrong = [k for k in rows if k < len(text.lines) and _is_section(text.lines[k])]
+        within = range(rows.start, min(rows.stop, len(text.lines)))
+        wrong = [k for k in within if _is_section(text.lines[k])]
         if (len(rows) and there < len(rows)) or wrong:
             there = wrong[0] - rows.start if wrong else max(there, 0)
             raise text.problem(

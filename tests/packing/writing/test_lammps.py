@@ -93,11 +93,11 @@ create_box 1 box
 set group all diameter 1.0
 set type 1 density/disc 1.0
 {velocities}
-pair_style gran/hooke/history 1.0 0.5 0.0 NULL 0.4 0
+pair_style gran/hooke/history 1.0 0.5 0.01 NULL 0.4 0
 pair_coeff * *
 timestep 0.001
 fix move all nve/sphere disc
-fix floor all wall/gran hooke/history 1.0 0.5 0.0 NULL 0.4 0 yplane 0 NULL contacts
+fix floor all wall/gran hooke/history 1.0 0.5 0.01 NULL 0.4 0 yplane 0 NULL contacts
 run 10
 compute grains all property/local patom1 patom2
 compute forces all pair/local dist force fx fy p1 p2
