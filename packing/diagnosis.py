@@ -90,14 +90,20 @@ def sizes(seen: Seen) -> Iterator[Note]:
     ratio = float(np.median((seen.radii[i] + seen.radii[j]) / seen.distances[inner]))
     if ratio > _DOUBLED:
         yield Note(
-            "error", "diameters-for-radii", f"the radii of two grains that touch add up to {ratio:.3g} "
-            "of their distance, in the median: they are diameters (sizes='diameters')", number=ratio,
-        )  # fmt: skip
+            "error",
+            "diameters-for-radii",
+            f"the radii of two grains that touch add up to {ratio:.3g} "
+            "of their distance, in the median: they are diameters (sizes='diameters')",
+            number=ratio,
+        )
     elif ratio < 1 / _DOUBLED:
         yield Note(
-            "error", "diameters-for-radii", f"the radii of two grains that touch add up to {ratio:.3g} "
-            "of their distance, in the median: they are not radii", number=ratio,
-        )  # fmt: skip
+            "error",
+            "diameters-for-radii",
+            f"the radii of two grains that touch add up to {ratio:.3g} "
+            "of their distance, in the median: they are not radii",
+            number=ratio,
+        )
 
 
 def rounding(seen: Seen) -> tuple[str, Resolution]:
@@ -122,11 +128,13 @@ def coarseness(seen: Seen) -> Iterator[Note]:
     E = PREFACTOR * how.noise / size
     six = how.kind == "6 digits"
     yield Note(
-        "warning", "six-digit-coordinates" if six else "coarse-coordinates",
-        f"the {name} are written with {how.kind}: noise of {how.noise:.2g} beside a mean overlap of "
-        f"{mean:.2g}. Forces from them have an error of E ≈ {E:.2g}; write them with all digits "
-        "(%.17g)", number=E,
-    )  # fmt: skip
+        "warning",
+        "six-digit-coordinates" if six else "coarse-coordinates",
+        f"the {name} are written with {how.kind}: noise of {how.noise:.2g} beside a mean "
+        f"overlap of {mean:.2g}. Forces from them have an error of E ≈ {E:.2g}; write them with "
+        "all digits (%.17g)",
+        number=E,
+    )
 
 
 def pixels(seen: Seen, unit: str) -> Iterator[Note]:
@@ -137,9 +145,12 @@ def pixels(seen: Seen, unit: str) -> Iterator[Note]:
     looks = radius > _PIXEL and bool((2 * seen.radii == np.round(2 * seen.radii)).all())
     if unit == "px" or looks:
         yield Note(
-            "warning", "pixels", f"lengths are in pixels (mean radius {radius:.4g}): overlaps have "
-            "none to spare, and a force over them is no stiffness", number=radius,
-        )  # fmt: skip
+            "warning",
+            "pixels",
+            f"lengths are in pixels (mean radius {radius:.4g}): overlaps have "
+            "none to spare, and a force over them is no stiffness",
+            number=radius,
+        )
 
 
 def overlaps(seen: Seen) -> Iterator[Note]:
@@ -154,15 +165,19 @@ def overlaps(seen: Seen) -> Iterator[Note]:
         if wide.any():
             e = int(np.argmin(np.where(wide, δ, np.inf)))
             yield Note(
-                "warning", "open-contacts", f"{wide.sum()} of {len(δ)} contacts with a force do not "
+                "warning",
+                "open-contacts",
+                f"{wide.sum()} of {len(δ)} contacts with a force do not "
                 f"touch; {tuple(seen.pairs[e].tolist())} is open by {-δ[e] / size:.2g} ⟨σ⟩",
                 number=int(wide.sum()),
-            )  # fmt: skip
+            )
     mean, spread = float(δ.mean()) / size, float(δ.std()) / size
     yield Note(
-        "information", "overlaps", f"mean overlap {mean:.3g} ⟨σ⟩, standard deviation {spread:.2g}",
+        "information",
+        "overlaps",
+        f"mean overlap {mean:.3g} ⟨σ⟩, standard deviation {spread:.2g}",
         number=mean,
-    )  # fmt: skip
+    )
 
 
 def forces(seen: Seen, friction: float | None) -> Iterator[Note]:
@@ -175,18 +190,23 @@ def forces(seen: Seen, friction: float | None) -> Iterator[Note]:
         none &= f_t == 0
     if none.any():
         yield Note(
-            "information", "zero-force", f"{none.sum()} of {len(none)} contacts bear no force",
+            "information",
+            "zero-force",
+            f"{none.sum()} of {len(none)} contacts bear no force",
             number=int(none.sum()),
-        )  # fmt: skip
+        )
     if friction is not None and f_t is not None:
         excess = np.abs(f_t) - friction * f_n - BALANCED * np.abs(f_n).mean()
         if (excess > 0).any():
             e = int(excess.argmax())
             yield Note(
-                "warning", "beyond-coulomb", f"{(excess > 0).sum()} of {len(f_n)} contacts bear more "
+                "warning",
+                "beyond-coulomb",
+                f"{(excess > 0).sum()} of {len(f_n)} contacts bear more "
                 f"friction than {friction:g}: contact {tuple(seen.pairs[e].tolist())} has "
-                f"f_n = {f_n[e]:.3g}, f_t = {f_t[e]:.3g}", number=int((excess > 0).sum()),
-            )  # fmt: skip
+                f"f_n = {f_n[e]:.3g}, f_t = {f_t[e]:.3g}",
+                number=int((excess > 0).sum()),
+            )
 
 
 def balance(seen: Seen) -> Iterator[Note]:
@@ -197,9 +217,12 @@ def balance(seen: Seen) -> Iterator[Note]:
     loud = worst > BALANCED
     if not loud.any():
         yield Note(
-            "information", "balance", f"forces and torques balance to {worst.max():.1e} ⟨f_n⟩ on "
-            f"the worst grain, {np.sqrt(np.mean(worst**2)):.1e} rms", number=float(worst.max()),
-        )  # fmt: skip
+            "information",
+            "balance",
+            f"forces and torques balance to {worst.max():.1e} ⟨f_n⟩ on "
+            f"the worst grain, {np.sqrt(np.mean(worst**2)):.1e} rms",
+            number=float(worst.max()),
+        )
         return
     k = int(worst.argmax())
     share = (
@@ -207,14 +230,19 @@ def balance(seen: Seen) -> Iterator[Note]:
     )
     if at_rim(seen, loud):
         yield Note(
-            "warning", "missing-walls", f"{share} ⟨f_n⟩. All lie at the rim, and are pushed outwards: "
-            "the walls that hold them are missing", number=int(loud.sum()),
-        )  # fmt: skip
+            "warning",
+            "missing-walls",
+            f"{share} ⟨f_n⟩. All lie at the rim, and are pushed outwards: "
+            "the walls that hold them are missing",
+            number=int(loud.sum()),
+        )
     else:
         yield Note(
-            "warning", "not-at-rest", f"{share} ⟨f_n⟩; the rms over all is "
-            f"{np.sqrt(np.mean(worst**2)):.2g}", number=float(worst[k]),
-        )  # fmt: skip
+            "warning",
+            "not-at-rest",
+            f"{share} ⟨f_n⟩; the rms over all is {np.sqrt(np.mean(worst**2)):.2g}",
+            number=float(worst[k]),
+        )
 
 
 def at_rim(seen: Seen, loud: np.ndarray) -> bool:
@@ -224,11 +252,12 @@ def at_rim(seen: Seen, loud: np.ndarray) -> bool:
         return False
     rims = np.zeros(seen.grains) if seen.radii is None else seen.radii
     low, high = seen.positions - rims[:, None], seen.positions + rims[:, None]
-    near = _RIM * seen.size
-    outwards = np.concatenate([low - low.min(axis=0), high.max(axis=0) - high], axis=1) < near
+    gaps = np.concatenate([low - low.min(axis=0), high.max(axis=0) - high], axis=1)
+    outwards = gaps < _RIM * seen.size
     push = np.concatenate([-seen.net[:, :2], seen.net[:, :2]], axis=1)
-    pushed = (outwards & (push > 0)).any(axis=1)
-    return bool(outwards.any(axis=1)[loud].all() and np.mean(pushed[loud]) > 0.9)
+    pushed = np.sum(outwards & (push > 0), axis=1) > 0
+    rim = np.sum(outwards, axis=1) > 0
+    return bool(np.all(rim[loud]) and np.mean(pushed[loud]) > 0.9)
 
 
 def rattlers(seen: Seen, listed: bool) -> Iterator[Note]:
@@ -238,6 +267,8 @@ def rattlers(seen: Seen, listed: bool) -> Iterator[Note]:
     loose = np.bincount(seen.pairs.ravel(), minlength=seen.grains)[: seen.grains] == 0
     if loose.any():
         yield Note(
-            "information", "rattlers", f"{loose.sum()} of {seen.grains} grains touch nothing",
+            "information",
+            "rattlers",
+            f"{loose.sum()} of {seen.grains} grains touch nothing",
             number=int(loose.sum()),
-        )  # fmt: skip
+        )

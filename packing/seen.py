@@ -1,6 +1,7 @@
 """Geometry and balance of contacts, of a packing, a measurement or a file alike.
 
-net force on grain i   Σ_e (-f_n n + f_t t) s_ie + F_ext,i        net torque   Σ_e R_i f_t,e + T_ext,i
+net force on grain i    Σ_e (-f_n n + f_t t) s_ie + F_ext,i
+net torque              Σ_e R_i f_t,e + T_ext,i
 """
 
 from __future__ import annotations
@@ -40,10 +41,16 @@ class Seen:
         if images is None:
             images = boundary.nearest_images(thing.positions, pairs)
         return cls(
-            thing.positions, thing.radii, boundary, pairs, images,
-            getattr(thing, "normals", None), thing.normal_forces, thing.tangential_forces,
+            thing.positions,
+            thing.radii,
+            boundary,
+            pairs,
+            images,
+            getattr(thing, "normals", None),
+            thing.normal_forces,
+            thing.tangential_forces,
             thing.external,
-        )  # fmt: skip
+        )
 
     @property
     def grains(self) -> int:

@@ -42,12 +42,13 @@ class ContactRows:
     def kept(self, which: np.ndarray) -> ContactRows:
         """Those that a mask or a list of indices picks."""
         return ContactRows(
-            self.pairs[which], self.images[which],
+            self.pairs[which],
+            self.images[which],
             None if self.normal is None else self.normal[which],
             None if self.tangential is None else self.tangential[which],
             self.lines[which],
             None if self.normals is None else self.normals[which],
-        )  # fmt: skip
+        )
 
     def turned(self) -> ContactRows:
         """All named with i <= j."""
@@ -73,9 +74,11 @@ def ordered(
     if itself.any():
         e = int(np.argmax(itself))
         raise text.problem(
-            "damaged", f"grain {rows.pairs[e, 0]} (counted from 0) touches itself",
-            int(rows.lines[e]) - 1, float(rows.pairs[e, 0]),
-        )  # fmt: skip
+            "damaged",
+            f"grain {rows.pairs[e, 0]} (counted from 0) touches itself",
+            int(rows.lines[e]) - 1,
+            float(rows.pairs[e, 0]),
+        )
     if rows.normal is not None and not zeros:
         none = rows.normal == 0
         if rows.tangential is not None:
@@ -88,7 +91,7 @@ def ordered(
                     f"{none.sum()} of {len(none)} listed pairs bear no force and are left out",
                     int(rows.lines[np.argmax(none)]) - 1,
                     int(none.sum()),
-                )  # fmt: skip
+                )
             )
             rows = rows.kept(~none)
     rows = rows.turned()
@@ -114,20 +117,25 @@ def _once(rows: ContactRows, text: Text) -> tuple[ContactRows, list[Note]]:
             raise _differing(rows, e, int(original[e]), values, text)
     e = int(again[0])
     note = text.note(
-        "warning", "listed-twice", f"{len(again)} of {len(keys)} contacts stand twice in the list, "
-        f"the first again in line {rows.lines[e]}; each is taken once", int(rows.lines[e]) - 1,
+        "warning",
+        "listed-twice",
+        f"{len(again)} of {len(keys)} contacts stand twice in the list, "
+        f"the first again in line {rows.lines[e]}; each is taken once",
+        int(rows.lines[e]) - 1,
         len(again),
-    )  # fmt: skip
+    )
     return rows.kept(np.sort(first)), [note]
 
 
 def _differing(rows: ContactRows, e: int, o: int, values: Floats, text: Text) -> FileProblem:
     i, j = rows.pairs[e].tolist()
     return text.problem(
-        "listed-twice", f"grains {i} and {j} (counted from 0) touch in lines {rows.lines[o]} and "
+        "listed-twice",
+        f"grains {i} and {j} (counted from 0) touch in lines {rows.lines[o]} and "
         f"{rows.lines[e]} with the forces {values[o]:.6g} and {values[e]:.6g}",
-        int(rows.lines[e]) - 1, float(values[e]),
-    )  # fmt: skip
+        int(rows.lines[e]) - 1,
+        float(values[e]),
+    )
 
 
 def places(
@@ -144,11 +152,13 @@ def places(
     if unknown.any():
         e, k = np.argwhere(unknown)[0].tolist()
         raise text.problem(
-            "unknown-grain", f"the contact names grain {numbers[e, k]:.15g}, but the {len(ids)} "
+            "unknown-grain",
+            f"the contact names grain {numbers[e, k]:.15g}, but the {len(ids)} "
             f"grains are {ids.min()} ... {ids.max()}"
             + ("" if np.ptp(ids) + 1 == len(ids) else " with gaps"),
-            int(lines[e]) - 1, float(numbers[e, k]),
-        )  # fmt: skip
+            int(lines[e]) - 1,
+            float(numbers[e, k]),
+        )
     return np.asarray(found, dtype=np.int64)
 
 
@@ -158,18 +168,23 @@ def grain_ids(numbers: Floats, text: Text, lines: Sequence[int] | Integers) -> I
     if odd.any():
         e = int(np.argmax(odd))
         raise text.problem(
-            "no-number", f"the number of a grain is {numbers[e]:.6g}, not whole", int(lines[e]) - 1,
+            "no-number",
+            f"the number of a grain is {numbers[e]:.6g}, not whole",
+            int(lines[e]) - 1,
             float(numbers[e]),
-        )  # fmt: skip
+        )
     ids = numbers.astype(np.int64)
     _, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
     again = first[np.reshape(inverse, -1)] != np.arange(len(ids))
     if again.any():
         e = int(np.argmax(again))
         raise text.problem(
-            "grain-twice", f"grain {ids[e]} is there twice, first in line "
-            f"{lines[first[np.reshape(inverse, -1)[e]]]}", int(lines[e]) - 1, float(ids[e]),
-        )  # fmt: skip
+            "grain-twice",
+            f"grain {ids[e]} is there twice, first in line "
+            f"{lines[first[np.reshape(inverse, -1)[e]]]}",
+            int(lines[e]) - 1,
+            float(ids[e]),
+        )
     return ids
 
 
@@ -178,7 +193,9 @@ def good_radii(radii: Floats, text: Text, lines: Sequence[int] | Integers) -> Fl
     if (radii <= 0).any():
         e = int(np.argmax(radii <= 0))
         raise text.problem(
-            "bad-radius", f"a radius is {radii[e]:.6g}, not positive", int(lines[e]) - 1,
+            "bad-radius",
+            f"a radius is {radii[e]:.6g}, not positive",
+            int(lines[e]) - 1,
             float(radii[e]),
-        )  # fmt: skip
+        )
     return radii

@@ -48,9 +48,13 @@ class Text:
     lines: list[str]
 
     def note(
-        self, severity: Severity, name: str, text: str, line: int | None = None,
+        self,
+        severity: Severity,
+        name: str,
+        text: str,
+        line: int | None = None,
         number: float | None = None,
-    ) -> Note:  # fmt: skip
+    ) -> Note:
         """A note about this file; ``line`` counts from 0, as in ``lines``."""
         return Note(
             severity, name, text, self.path.name, None if line is None else line + 1, number
@@ -78,9 +82,11 @@ class Text:
         if wrong.any():
             k, m = np.argwhere(wrong)[0].tolist()
             raise self.problem(
-                "not-finite", f"the number {table[k][m]} in column {m + 1} is not finite, or beyond "
-                f"{LARGEST:g}", rows[k], float(values[k, m]) if np.isfinite(values[k, m]) else None,
-            )  # fmt: skip
+                "not-finite",
+                f"the number {table[k][m]} in column {m + 1} is not finite, or beyond {LARGEST:g}",
+                rows[k],
+                float(values[k, m]) if np.isfinite(values[k, m]) else None,
+            )
         return values
 
     def words(
@@ -91,10 +97,12 @@ class Text:
         for k in rows:
             if k >= len(self.lines):
                 raise self.problem(
-                    "cut-short", f"the file ends after line {len(self.lines)}, but {len(rows)} rows "
-                    f"are announced, the last in line {rows[-1] + 1}", len(self.lines) - 1,
+                    "cut-short",
+                    f"the file ends after line {len(self.lines)}, but {len(rows)} rows "
+                    f"are announced, the last in line {rows[-1] + 1}",
+                    len(self.lines) - 1,
                     len(self.lines),
-                )  # fmt: skip
+                )
             row = [word.strip() for word in self.lines[k].split(separator)]
             if separator is not None and len(row) > 1 and row[-1] == "":
                 row.pop()  # some programs end each row with a separator
@@ -111,7 +119,7 @@ class Text:
         hint = ": numbers are written with a decimal comma" if comma else ""
         return self.problem(
             name, f"the row has {len(row)} entries, not {width}{hint}", line, len(row)
-        )  # fmt: skip
+        )
 
     def _no_number(self, rows: Sequence[int], table: list[list[str]]) -> FileProblem:
         for line, row in zip(rows, table, strict=True):
@@ -149,9 +157,11 @@ def text_of(path: Path) -> Text:
         raise empty.problem("no-grains", "the file is empty", number=0)
     if lines[-1].strip():
         raise Text(path, lines).problem(
-            "cut-short", "the last line does not end with a line break: the file is cut off, or its "
-            "last number could be", len(lines) - 1,
-        )  # fmt: skip
+            "cut-short",
+            "the last line does not end with a line break: the file is cut off, or its "
+            "last number could be",
+            len(lines) - 1,
+        )
     while lines and not lines[-1].strip():
         lines.pop()
     return Text(path, lines)
@@ -182,15 +192,17 @@ def _bytes(path: Path, most: int | None = None) -> bytes:
                 size += len(part)
                 if most is None and size > limit:
                     raise Text(path, []).problem(
-                        "too-large", f"the file has more than {limit:.3g} bytes, which do not fit "
-                        "into memory", number=size,
-                    )  # fmt: skip
+                        "too-large",
+                        f"the file has more than {limit:.3g} bytes, which do not fit into memory",
+                        number=size,
+                    )
         except EOFError:
             if most is None:
                 raise Text(path, []).problem(
-                    "cut-short", f"the packed file ends within its data, after {size} bytes of text",
+                    "cut-short",
+                    f"the packed file ends within its data, after {size} bytes of text",
                     number=size,
-                ) from None  # fmt: skip
+                ) from None
         except (OSError, zlib.error) as error:
             raise Text(path, []).problem("damaged", f"the packed file: {error}") from None
     return b"".join(parts)

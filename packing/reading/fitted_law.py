@@ -1,8 +1,8 @@
 """The contact law that forces and overlaps of one packing show: f_n = κ δ or κ √(4R) δ^(3/2).
 
 κ is the ratio of the sums of force and of law over all contacts; the misfit is the rms of what is
-left, over the mean force. A packing without dashpots has a misfit of rounding with its own law, and
-of some 20 % with the other.
+left, over the mean force. A packing without dashpots has a misfit of rounding with its own law,
+and of some 20 % with the other.
 """
 
 from __future__ import annotations
@@ -23,9 +23,12 @@ class Fit(NamedTuple):
 
 
 def fitted(
-    kind: type[Linear] | type[Hertz], overlaps: Floats, forces: Floats, radii: Floats,
+    kind: type[Linear] | type[Hertz],
+    overlaps: Floats,
+    forces: Floats,
+    radii: Floats,
     pairs: Integers,
-) -> Fit | None:  # fmt: skip
+) -> Fit | None:
     """The law of this kind that fits best; None if the overlaps do not push."""
     law = kind()
     shape = law_between(law, radii, pairs).force(overlaps)

@@ -66,9 +66,13 @@ def _shown(s: Snapshot, best: Fit) -> Snapshot:
         kind = "springs, f_n = κ δ"
         law = Linear(κ, 0.5 if s.stiffness_ratio is None else s.stiffness_ratio)
     note = Note(
-        "information", "guessed", f"forces and overlaps show {kind} with κ = "
-        f"{best.law.stiffness:.6g}, to {best.misfit:.1e} of ⟨f_n⟩", s.source, number=best.misfit,
-    )  # fmt: skip
+        "information",
+        "guessed",
+        f"forces and overlaps show {kind} with κ = "
+        f"{best.law.stiffness:.6g}, to {best.misfit:.1e} of ⟨f_n⟩",
+        s.source,
+        number=best.misfit,
+    )
     return replace(s, law=law, notes=(*s.notes, note))
 
 
@@ -79,11 +83,9 @@ def _unshown(s: Snapshot, seen: Seen) -> Snapshot:
         return s
     if seen.overlaps is not None and seen.normal is not None and _pushing(seen.overlaps):
         given = float(seen.normal.sum() / seen.overlaps.sum())
-        if s.law is None and not 0.1 < given / s.stiffness < 10:
-            raise FileProblem(_mixed(s, given))
-    return (
-        s if s.law is not None else replace(s, law=Linear(s.stiffness, s.stiffness_ratio or 0.5))
-    )
+        if not 0.1 < given / s.stiffness < 10:
+            raise FileProblem(_mixed(s, s.stiffness, given))
+    return replace(s, law=Linear(s.stiffness, s.stiffness_ratio or 0.5))
 
 
 def _pushing(overlaps: np.ndarray) -> bool:
@@ -98,17 +100,22 @@ def _refuse_other(s: Snapshot, told: float, shown: float) -> None:
 def _mixed(s: Snapshot, told: float, shown: float) -> Note:
     line = None if s.contact_lines is None or not len(s.contact_lines) else int(s.contact_lines[0])
     return Note(
-        "error", "units-mixed", f"forces over overlaps give κ = {shown:.4g}, but κ = {told:.4g} is "
+        "error",
+        "units-mixed",
+        f"forces over overlaps give κ = {shown:.4g}, but κ = {told:.4g} is "
         f"stated, a factor of {told / shown:.3g}: forces and lengths are not in the units of κ",
-        s.contact_source or s.source, line, told / shown,
-    )  # fmt: skip
+        s.contact_source or s.source,
+        line,
+        told / shown,
+    )
 
 
 def _with_viscous(s: Snapshot, seen: Seen, left: float) -> Snapshot:
     """A note if what the law leaves of f_n follows the relative velocity of the grains."""
     if s.velocities is None or left < _VISCOUS or s.law is None or seen.overlaps is None:
         return s
-    assert seen.normal is not None and s.radii is not None
+    assert seen.normal is not None
+    assert s.radii is not None
     inner = seen.pairs[:, 1] < seen.grains
     rest = seen.normal - law_between(s.law, s.radii, seen.pairs).force(seen.overlaps)
     i, j = seen.pairs[inner].T
@@ -120,8 +127,11 @@ def _with_viscous(s: Snapshot, seen: Seen, left: float) -> Snapshot:
     if follows < 0.9:
         return s
     note = Note(
-        "warning", "viscous-forces", f"{left:.2g} of ⟨f_n⟩ is left by the law and follows the "
-        f"velocity at which grains approach (correlation {follows:.3f}): it is viscous", s.source,
+        "warning",
+        "viscous-forces",
+        f"{left:.2g} of ⟨f_n⟩ is left by the law and follows the "
+        f"velocity at which grains approach (correlation {follows:.3f}): it is viscous",
+        s.source,
         number=left,
-    )  # fmt: skip
+    )
     return replace(s, notes=(*s.notes, note))

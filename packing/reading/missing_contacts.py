@@ -1,7 +1,7 @@
 """A list of contacts that ends too early, where the file does not say how long it should be.
 
-Where forces follow the overlaps, grains that overlap push: overlapping pairs that are not listed are
-missing from the list. Few of them may be rattlers that were left out; many are half a list.
+Where forces follow the overlaps, grains that overlap push: overlapping pairs that are not listed
+are missing from the list. Few of them may be rattlers that were left out; many are half a list.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _PUSHING = 0.1
 
 
 def refuse_half_a_list(s: Snapshot) -> None:
-    """FileProblem "cut-short": grains overlap and push by the law of the others, but are not listed."""
+    """FileProblem "cut-short": grains overlap, push by the law of others, and are not listed."""
     seen = Seen.of(s)
     if seen.overlaps is None or seen.normal is None or s.radii is None or not len(seen.pairs):
         return
@@ -51,10 +51,10 @@ def refuse_half_a_list(s: Snapshot) -> None:
             "error",
             "cut-short",
             f"{missing.sum()} pairs of grains overlap and are not among the "
-            f"{len(inner)} contacts listed, grains {i} and {j} (counted from 0) say: the list is cut "
-            "off",
+            f"{len(inner)} contacts listed, grains {i} and {j} (counted from 0) say: the list is "
+            "cut off",
             s.contact_source or s.source,
             last,
             int(missing.sum()),
-        )  # fmt: skip
+        )
     )

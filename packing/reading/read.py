@@ -133,7 +133,7 @@ def _recognised(source: Path, head: str) -> str:
             f"{first!r}. If it is one of {', '.join(FORMATS)}, say format=",
             source.name,
             1,
-        )  # fmt: skip
+        )
     )
 
 

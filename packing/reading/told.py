@@ -21,9 +21,16 @@ from packing.files.snapshot import Snapshot
 from packing.measurement import Uncertainty
 
 OPTIONS = (
-    "stiffness", "law", "friction", "pressure", "gravity", "sizes", "length_unit", "force_unit",
+    "stiffness",
+    "law",
+    "friction",
+    "pressure",
+    "gravity",
+    "sizes",
+    "length_unit",
+    "force_unit",
     "uncertainty",
-)  # fmt: skip
+)
 """The options that every format takes."""
 
 
@@ -77,9 +84,12 @@ def _uncertainty(told: Any) -> dict[str, Any]:
 
 
 _CHECKS: dict[str, Callable[[str, Any], Any]] = {
-    "stiffness": positive_number, "pressure": positive_number, "friction": number_from_zero,
-    "length_unit": _text, "force_unit": _text,
-}  # fmt: skip
+    "stiffness": positive_number,
+    "pressure": positive_number,
+    "friction": number_from_zero,
+    "length_unit": _text,
+    "force_unit": _text,
+}
 
 
 def told_gravity(gravity: Any) -> Any:

@@ -1,8 +1,8 @@
 """What a file says becomes a packing, if forces are known and balance, or else a measurement.
 
-Forces, overlaps and stiffness have to go together: with f_n = κ δ (or Hertz's law) two of them give
-the third, and where all three are there they agree or the file is refused. Lengths of Hertzian
-packings are brought to mean diameters, in which κ is a force.
+Forces, overlaps and stiffness have to go together: with f_n = κ δ (or Hertz's law) two of them
+give the third, and where all three are there they agree or the file is refused. Lengths of
+Hertzian packings are brought to mean diameters, in which κ is a force.
 """
 
 from __future__ import annotations
@@ -77,9 +77,11 @@ def _missing(s: Snapshot) -> Note | None:
         return Note("warning", "no-radii", "the grains have no radii", s.source)
     if s.law is None:
         return Note(
-            "warning", "no-law", "overlaps do not show how they become force, and no law was told",
+            "warning",
+            "no-law",
+            "overlaps do not show how they become force, and no law was told",
             s.source,
-        )  # fmt: skip
+        )
     if not len(s.pairs):
         return Note("warning", "no-contacts", "no contact bears a force", s.source)
     return None
@@ -87,20 +89,24 @@ def _missing(s: Snapshot) -> Note | None:
 
 def _packing(s: Snapshot) -> Packing:
     seen = Seen.of(s)
-    assert s.normal_forces is not None
-    f_t = s.tangential_forces
     pressure = seen.virial if s.pressure is None else s.pressure
-    hertz = isinstance(s.law, Hertz)
+    scene = {"contact": law_record(s.law)} if isinstance(s.law, Hertz) else None
+    f_t, external = s.tangential_forces, s.external
+    values: dict[str, Any] = {
+        name: getattr(s, name)
+        for name in ("positions", "radii", "cell", "normal_forces", "stiffness_ratio", "walls")
+    }
     return Packing(
-        s.positions, s.radii, s.cell, seen.pairs, seen.images, s.normal_forces,  # type: ignore[arg-type]
-        np.zeros(len(seen.pairs)) if f_t is None else f_t,
-        np.zeros((seen.grains, 3)) if s.external is None else s.external,
-        stiffness=_stiffness(s, pressure), pressure=pressure,  # type: ignore[arg-type]
-        friction=s.friction if s.friction is not None else _friction(seen),
-        stiffness_ratio=s.stiffness_ratio,
-        provenance=Provenance(scene={"contact": law_record(s.law)} if hertz else None),  # type: ignore[arg-type]
-        walls=s.walls,
-    )  # fmt: skip
+        **values,
+        pairs=seen.pairs,
+        images=seen.images,
+        tangential_forces=np.zeros(len(seen.pairs)) if f_t is None else f_t,
+        external=np.zeros((seen.grains, 3)) if external is None else external,
+        stiffness=_stiffness(s, pressure),  # type: ignore[arg-type]  # None is refused by name
+        pressure=pressure,  # type: ignore[arg-type]
+        friction=_friction(seen) if s.friction is None else s.friction,
+        provenance=Provenance(scene=scene),
+    )
 
 
 def _stiffness(s: Snapshot, pressure: float | None) -> float | None:
@@ -119,9 +125,12 @@ def _pressure(s: Snapshot) -> tuple[Note, ...]:
         return ()
     where = "of the box around the grains" if seen.boundary.area is None else "of the boundary"
     note = Note(
-        "information", "pressure", f"p = Σ f_n r/2A = {seen.virial:.6g}, with the area A = "
-        f"{seen.area:.6g} {where}", s.source, number=seen.virial,
-    )  # fmt: skip
+        "information",
+        "pressure",
+        f"p = Σ f_n r/2A = {seen.virial:.6g}, with the area A = {seen.area:.6g} {where}",
+        s.source,
+        number=seen.virial,
+    )
     return (note,)
 
 
@@ -135,10 +144,24 @@ def _friction(seen: Seen) -> float:
 
 def _measured(s: Snapshot, name: str, why: Note) -> Measurement:
     fields = (
-        "positions", "radii", "cell", "pairs", "images", "normals", "normal_forces",
-        "tangential_forces", "external", "walls", "stiffness", "pressure", "friction", "law",
-        "length_unit", "force_unit", "source",
-    )  # fmt: skip
+        "positions",
+        "radii",
+        "cell",
+        "pairs",
+        "images",
+        "normals",
+        "normal_forces",
+        "tangential_forces",
+        "external",
+        "walls",
+        "stiffness",
+        "pressure",
+        "friction",
+        "law",
+        "length_unit",
+        "force_unit",
+        "source",
+    )
     law = s.law
     if law is not None and s.radii is not None and s.pairs is not None:
         law = law_between(law, s.radii, s.pairs)

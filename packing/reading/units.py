@@ -29,13 +29,22 @@ def in_mean_diameters(s: Snapshot) -> Snapshot:
     if walls is not None:
         walls = Walls(walls.normals, walls.offsets / size, walls.loads, walls.glued, walls.spaced)
     note = Note(
-        "information", "units", f"lengths are in mean diameters of {size:.17g} lengths of the file, "
-        f"for which κ of Hertz's law is a force, {law.stiffness:.6g}", s.source, number=size,
-    )  # fmt: skip
+        "information",
+        "units",
+        f"lengths are in mean diameters of {size:.17g} lengths of the file, "
+        f"for which κ of Hertz's law is a force, {law.stiffness:.6g}",
+        s.source,
+        number=size,
+    )
     return replace(
-        s, positions=s.positions / size, radii=s.radii / size,
-        cell=None if s.cell is None else s.cell / size, external=external, walls=walls, law=law,
+        s,
+        positions=s.positions / size,
+        radii=s.radii / size,
+        cell=None if s.cell is None else s.cell / size,
+        external=external,
+        walls=walls,
+        law=law,
         stiffness=None if s.stiffness is None else s.stiffness * size,
         pressure=None if s.pressure is None else s.pressure * size,
         notes=(*s.notes, note),
-    )  # fmt: skip
+    )

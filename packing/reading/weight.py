@@ -34,7 +34,7 @@ def with_weight(s: Snapshot, gravity: Any = None) -> Snapshot:
     if masses is None or s.normal_forces is None or s.external is not None or s.pairs is None:
         return s
     seen = Seen.of(s)
-    assert seen.net is not None and seen.unbalanced is not None or not len(s.pairs)
+    assert (seen.net is not None and seen.unbalanced is not None) or not len(s.pairs)
     if not len(s.pairs) or seen.net is None or seen.unbalanced is None:
         return s
     held = np.bincount(seen.pairs.ravel(), minlength=seen.grains)[: seen.grains] > 0
@@ -47,9 +47,13 @@ def with_weight(s: Snapshot, gravity: Any = None) -> Snapshot:
         return s
     kind = "masses of the file" if s.masses is not None else "masses π R²"
     note = Note(
-        "information", "guessed", f"what contacts leave of the balance is the weight of the grains, g = "
-        f"({g[0]:.6g}, {g[1]:.6g}) with the {kind}, to {left:.1e} of it", s.source, number=left,
-    )  # fmt: skip
+        "information",
+        "guessed",
+        f"what contacts leave of the balance is the weight of the grains, g = "
+        f"({g[0]:.6g}, {g[1]:.6g}) with the {kind}, to {left:.1e} of it",
+        s.source,
+        number=left,
+    )
     return _loaded(s, masses[:, None] * g, (note,))
 
 

@@ -1,9 +1,10 @@
 """A packing for LAMMPS: a data file, and an input script that relaxes it and dumps it.
 
 LAMMPS keeps no memory of tangential springs that it did not make: with friction the packing comes
-to rest near by, not in the same place. The cell stays as it is, and so do walls, those with a load,
-too; masses are π R², walls are those of ``fix wall/gran``, weight is ``fix gravity``. NAME.in dumps NAME.atoms.dump and NAME.contacts.dump,
-which `packing.reading.read` takes, with all digits.
+to rest near by, not in the same place. The cell stays as it is, and so do walls, those with a
+load, too; masses are π R², walls are those of ``fix wall/gran``, weight is ``fix gravity``.
+NAME.in dumps NAME.atoms.dump and NAME.contacts.dump, which `packing.reading.read` takes, with all
+digits.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def files(target: Path, packing: PackingData) -> dict[Path, str]:
     return {
         target: _data(packing),
         target.with_name(f"{stem}.in"): _script(packing, target.name, stem),
-    }  # fmt: skip
+    }
 
 
 def _data(p: PackingData) -> str:
@@ -43,10 +44,15 @@ def _data(p: PackingData) -> str:
     ]
     size = float(2 * p.radii.max())
     head = [
-        "disks of a packing", "", f"{len(rows)} atoms", "1 atom types", "",
-        f"{low[0]!r} {high[0]!r} xlo xhi", f"{low[1]!r} {high[1]!r} ylo yhi",
+        "disks of a packing",
+        "",
+        f"{len(rows)} atoms",
+        "1 atom types",
+        "",
+        f"{low[0]!r} {high[0]!r} xlo xhi",
+        f"{low[1]!r} {high[1]!r} ylo yhi",
         f"{-size / 2!r} {size / 2!r} zlo zhi",
-    ]  # fmt: skip
+    ]
     if tilt is not None:
         head.append(f"{tilt!r} 0.0 0.0 xy xz yz")
     return "\n".join([*head, "", "Atoms # sphere", "", *rows]) + "\n"
@@ -66,8 +72,8 @@ def _box(p: PackingData) -> tuple[list[float], list[float], float | None]:
         return open_low, open_high, None
     if p.cell[0, 1] != 0 or p.cell[0, 0] <= 0 or p.cell[1, 1] <= 0:
         raise ValueError(
-            f"cell = {p.cell.tolist()}: LAMMPS needs a first lattice vector along x, and a second one "
-            "with y > 0"
+            f"cell = {p.cell.tolist()}: LAMMPS needs a first lattice vector along x, and a second "
+            "one with y > 0"
         )
     if p.walls is not None:
         if p.cell[1, 0] != 0:
@@ -104,17 +110,30 @@ def _script(p: PackingData, data: str, stem: str) -> str:
         dashpot /= float(np.sqrt(max(p.overlaps.mean(), 1e-12) * p.radii.mean() / 2))
     springs = f"{normal!r} {tangential!r} {dashpot!r} NULL {p.friction!r} 1"
     lines = [
-        "units lj", "dimension 2", "atom_style sphere", f"boundary {_boundary(p)}",
-        "comm_modify vel yes", "box tilt large", f"read_data {data}",
-        "set type 1 density/disc 1.0", f"pair_style gran/{kind} {springs}", "pair_coeff * *",
-        f"neighbor {0.2 * 2 * p.radii.mean():.6g} bin", "neigh_modify delay 0 every 1 check yes",
-        f"timestep {_STEP * np.sqrt(masses.min() / k):.6g}", "fix move all nve/sphere disc",
-        "fix plane all enforce2d", *_weight(p, masses), *_walls(p.walls, kind, springs),
+        "units lj",
+        "dimension 2",
+        "atom_style sphere",
+        f"boundary {_boundary(p)}",
+        "comm_modify vel yes",
+        "box tilt large",
+        f"read_data {data}",
+        "set type 1 density/disc 1.0",
+        f"pair_style gran/{kind} {springs}",
+        "pair_coeff * *",
+        f"neighbor {0.2 * 2 * p.radii.mean():.6g} bin",
+        "neigh_modify delay 0 every 1 check yes",
+        f"timestep {_STEP * np.sqrt(masses.min() / k):.6g}",
+        "fix move all nve/sphere disc",
+        "fix plane all enforce2d",
+        *_weight(p, masses),
+        *_walls(p.walls, kind, springs),
         f"fix drag all viscous {float(rate * masses.mean()):.6g}",
         f"fix spin all viscous/sphere {float(rate * masses.mean() * np.mean(p.radii**2)):.6g}",
-        "thermo 10000", "thermo_style custom step ke fmax",
+        "thermo 10000",
+        "thermo_style custom step ke fmax",
         "# More steps make it rest better: the balance is checked when the dumps are read.",
-        "variable steps index 100000", "run ${steps}",
+        "variable steps index 100000",
+        "run ${steps}",
         "compute grains all property/local patom1 patom2 cutoff radius",
         "compute forces all pair/local dist force fx fy p1 p2 cutoff radius",
         f"dump atoms all custom 1 {stem}.atoms.dump id diameter mass x y vx vy omegaz"
@@ -122,8 +141,9 @@ def _script(p: PackingData, data: str, stem: str) -> str:
         "dump_modify atoms format float %.17g",
         f"dump contacts all local 1 {stem}.contacts.dump c_grains[1] c_grains[2] "
         + " ".join(f"c_forces[{m}]" for m in range(1, 7)),
-        "dump_modify contacts format float %.17g", "run 0",
-    ]  # fmt: skip
+        "dump_modify contacts format float %.17g",
+        "run 0",
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -145,7 +165,7 @@ def _weight(p: PackingData, masses: Floats) -> list[str]:
             np.abs(F - np.column_stack([masses[:, None] * g, 0 * masses])).max(axis=1).argmax()
         )
         raise ValueError(
-            f"external[{i}] (grain {i}) is {F[i].tolist()}, no weight: LAMMPS is given weight alone"
+            f"external[{i}] (grain {i}) is {F[i].tolist()}, no weight: LAMMPS takes weight alone"
         )
     size = float(np.hypot(*g))
     return [f"fix weight all gravity {size!r} vector {float(g[0])!r} {float(g[1])!r} 0"]
@@ -177,6 +197,4 @@ def _planes(walls: Walls) -> dict[str, list[str]]:
 def _wall_columns(walls: Walls | None) -> str:
     if walls is None:
         return ""
-    return "".join(
-        f" f_wall_{axis}[{m}]" for axis in _planes(walls) for m in (1, 2, 3, 5, 6)
-    )  # fmt: skip
+    return "".join(f" f_wall_{axis}[{m}]" for axis in _planes(walls) for m in (1, 2, 3, 5, 6))

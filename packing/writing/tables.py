@@ -87,9 +87,12 @@ def _contacts(p: PackingData | Measurement, forces: Forces, errors: Forces) -> s
     unit = getattr(p, "force_unit", "")
     suffix = f" [{unit}]" if unit else ""
     named = {
-        "overlap": overlaps, f"fn{suffix}": forces[0], f"ft{suffix}": forces[1],
-        "fn_error": errors[0], "ft_error": errors[1],
-    }  # fmt: skip
+        "overlap": overlaps,
+        f"fn{suffix}": forces[0],
+        f"ft{suffix}": forces[1],
+        "fn_error": errors[0],
+        "ft_error": errors[1],
+    }
     columns |= {name: values for name, values in named.items() if values is not None}
     return "# contacts: force on i is -fn n + ft t, wall w is -(w + 1)\n" + _table(columns)
 

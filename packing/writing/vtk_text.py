@@ -1,8 +1,8 @@
 """VTK's legacy text format: grains as points, contacts as lines between them, for ParaView.
 
-Points are the centres, then, for each contact across a side of the cell or with a wall, the image of
-the second centre or the foot on the wall. Point data: radius, id. Cell data: f_n, f_t, overlap and
-error bars, 0 on the vertices that stand for the grains. Text of this format needs no library.
+Points are the centres, then, for each contact across a side of the cell or with a wall, the image
+of the second centre or the foot on the wall. Point data: radius, id. Cell data: f_n, f_t, overlap
+and error bars, 0 on the vertices that stand for the grains. Text of this format needs no library.
 """
 
 from __future__ import annotations
@@ -32,18 +32,25 @@ def files(
     vertices = "\n".join(f"1 {k}" for k in range(N))
     lines = "\n".join(f"2 {a} {b}" for a, b in zip(i.tolist(), ends.tolist(), strict=True))
     parts = [
-        "# vtk DataFile Version 3.0", "grains and contacts of a packing", "ASCII",
-        "DATASET POLYDATA", f"POINTS {len(x)} double",
+        "# vtk DataFile Version 3.0",
+        "grains and contacts of a packing",
+        "ASCII",
+        "DATASET POLYDATA",
+        f"POINTS {len(x)} double",
         "\n".join(f"{a!r} {b!r} 0" for a, b in x.tolist()),
-        f"VERTICES {N} {2 * N}", vertices,
-    ]  # fmt: skip
+        f"VERTICES {N} {2 * N}",
+        vertices,
+    ]
     if c:
         parts += [f"LINES {c} {3 * c}", lines]
     parts += [f"CELL_DATA {N + c}"]
     named = {
-        "f_n": forces[0], "f_t": forces[1], "overlap": seen.overlaps, "f_n_error": errors[0],
+        "f_n": forces[0],
+        "f_t": forces[1],
+        "overlap": seen.overlaps,
+        "f_n_error": errors[0],
         "f_t_error": errors[1],
-    }  # fmt: skip
+    }
     for name, values in named.items():
         if values is not None:
             parts += _scalars(name, np.concatenate([np.zeros(N), values]))

@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 from typing import Any
 
-
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import choice, file_path, instance
 from packing.contacts import contact_list
@@ -22,9 +21,13 @@ FORMATS = {"npz": ".npz", "csv": ".csv", "lammps": ".data", "vtk": ".vtk"}
 
 
 def write(
-    path: str | os.PathLike[str], packing: PackingData | Measurement, *,
-    format: str | None = None, forces: Any = None, errors: Any = None,
-) -> tuple[Path, ...]:  # fmt: skip
+    path: str | os.PathLike[str],
+    packing: PackingData | Measurement,
+    *,
+    format: str | None = None,
+    forces: Any = None,
+    errors: Any = None,
+) -> tuple[Path, ...]:
     """Write a packing, with forces and their error bars if they are given.
 
     Parameters
@@ -71,24 +74,28 @@ def write(
         format = by_ending[target.suffix]
     choice("format", format, FORMATS)
     if format in ("npz", "lammps"):
-        for name, given in (("forces", forces), ("errors", errors)):
-            if given is not None:
-                raise ValueError(
-                    f"{name}: the format {format} holds the forces of a packing alone"
-                )
-        if not isinstance(packing, Packing):
-            raise ValueError(f"packing is no Packing, which the format {format} needs: write csv")
-    if format == "npz":
-        packing.save(target)  # type: ignore[union-attr]  # a Packing, as was seen
-        return (target,)
-    if format == "lammps":
-        return _all(lammps_input.files(target, packing))  # type: ignore[arg-type]
+        return _whole(target, packing, format, {"forces": forces, "errors": errors})
     f_n, f_t = _forces("forces", forces, packing)
     if f_n is None:
         f_n, f_t = packing.normal_forces, packing.tangential_forces
     bars = _forces("errors", errors, packing)
     makers = {"csv": tables.files, "vtk": vtk_text.files}
     return _all(makers[format](target, packing, (f_n, f_t), bars))
+
+
+def _whole(
+    target: Path, packing: PackingData | Measurement, format: str, told: dict[str, Any]
+) -> tuple[Path, ...]:
+    """The formats that hold a packing at rest alone, with its own forces."""
+    for name, given in told.items():
+        if given is not None:
+            raise ValueError(f"{name}: the format {format} holds the forces of a packing alone")
+    if not isinstance(packing, Packing):
+        raise ValueError(f"packing is no Packing, which the format {format} needs: write csv")
+    if format == "lammps":
+        return _all(lammps_input.files(target, packing))
+    packing.save(target)
+    return (target,)
 
 
 def _forces(

@@ -82,9 +82,13 @@ class Dump:
         for e, (i, j) in enumerate(p.pairs.tolist()):
             first, other = (j, i) if self.reverse else (i, j)
             values = [
-                first + 1, other + 1, float(abs(d[e])), float(f_n[e]),
-                *(sign * along[e] * stretch).tolist(), *(sign * across[e] * stretch).tolist(),
-            ]  # fmt: skip
+                first + 1,
+                other + 1,
+                float(abs(d[e])),
+                float(f_n[e]),
+                *(sign * along[e] * stretch).tolist(),
+                *(sign * across[e] * stretch).tolist(),
+            ]
             rows.append(self._row([values[k] for k in self.order]))
         names = [f"c_pd[{k + 1}]" for k in self.order]
         head = self._head(p, step, len(rows), "ENTRIES")

@@ -1,4 +1,4 @@
-"""Small files in every format, made of packings of our own: written as the other code writes them."""
+"""Small files in every format, of packings of our own, written as the other code writes them."""
 
 from __future__ import annotations
 
@@ -86,16 +86,25 @@ def rigid_library(folder: Path) -> Sample:
         [
             f"{i} {j} {a:.6g} {b:.6g} 0 {f!r} {s!r} 1e-9"
             for (i, j), (a, b), f, s in zip(
-                p.pairs.tolist(), n.tolist(), p.normal_forces.tolist(),
-                p.tangential_forces.tolist(), strict=True,
+                p.pairs.tolist(),
+                n.tolist(),
+                p.normal_forces.tolist(),
+                p.tangential_forces.tolist(),
+                strict=True,
             )
         ],
-    )  # fmt: skip
+    )
     phi = float(np.pi * np.sum(p.radii**2) / p.cell[0, 0] ** 2)
     told = {
-        "np": len(x), "phi": phi, "k_rep": 1, "mu": 0.3, "boxVec1x": p.cell[0, 0],
-        "strain_rate": 0, "tprint": 100, "outdir": "here",
-    }  # fmt: skip
+        "np": len(x),
+        "phi": phi,
+        "k_rep": 1,
+        "mu": 0.3,
+        "boxVec1x": p.cell[0, 0],
+        "strain_rate": 0,
+        "tprint": 100,
+        "outdir": "here",
+    }
     text(folder / "Parameters_final.dat", [f"{k:>20} {v}" for k, v in told.items()])
     return state, {}
 
@@ -107,11 +116,13 @@ def mercury(folder: Path) -> Sample:
     N, walls = len(p.radii), p.walls
     assert walls is not None
     lines = [
-        "restart_version 1.0 name box", "systemDimensions 2 particleDimensions 2 gravity 0 0 0",
+        "restart_version 1.0 name box",
+        "systemDimensions 2 particleDimensions 2 gravity 0 0 0",
         "Species 1",
         "LinearViscoelasticFrictionSpecies id 0 density 1 stiffness 1 dissipation 0 "
-        "slidingFriction 0.3", f"Walls {len(walls)}",
-    ]  # fmt: skip
+        "slidingFriction 0.3",
+        f"Walls {len(walls)}",
+    ]
     for k, (m, h) in enumerate(zip(walls.normals.tolist(), walls.offsets.tolist(), strict=True)):
         at = f"{m[0] * h!r} {m[1] * h!r} 0"
         lines.append(
@@ -133,7 +144,7 @@ def mercury(folder: Path) -> Sample:
 
 
 def readings(p: Packing, noise: float = 0.05) -> list[tuple[int, int, float, float]]:
-    """(i, j, f_t, f_n) of each contact from both sides, from 1, with noise on either; walls are -1."""
+    """(i, j, f_t, f_n) of each contact from both sides, from 1, with noise; walls are -1."""
     rng, N, found = np.random.default_rng(5), len(p.radii), []
     scale = noise * float(p.normal_forces.mean())
     for (i, j), f_n, f_t in zip(
@@ -161,7 +172,9 @@ def photoelastic(folder: Path) -> Sample:
 def pegs_mat(folder: Path) -> Sample:
     """PeGS2's particles after diskSolve."""
     p = made(boundary="box")
-    towards = {(i + 1, j + 1): a for (i, j), a in zip(p.pairs.tolist(), np.angle(p.branches))}
+    towards = {
+        (i + 1, j + 1): a for (i, j), a in zip(p.pairs.tolist(), np.angle(p.branches), strict=True)
+    }
     N, names = len(p.radii), ("id", "x", "y", "r", "neighbours", "forces", "alphas", "betas")
     beside = [a for (_, j), a in towards.items() if j > N]
     particles = np.zeros(N, dtype=[(name, object) for name in names])
@@ -173,11 +186,17 @@ def pegs_mat(folder: Path) -> Sample:
             for i, j, _, _ in own
         ]
         particles[k] = (
-            float(k + 1), 60 * x, 60 * y, 60 * r, np.array([float(row[1]) for row in own]),
+            float(k + 1),
+            60 * x,
+            60 * y,
+            60 * r,
+            np.array([float(row[1]) for row in own]),
             np.array([np.hypot(row[2], row[3]) for row in own]),
-            np.array([np.arctan2(row[2], row[3]) for row in own]), np.array(angles),
-        )  # fmt: skip
-    savemat(folder / "a_solved.mat", {"particle": particles})
+            np.array([np.arctan2(row[2], row[3]) for row in own]),
+            np.array(angles),
+        )
+    image = np.zeros((3, 4), dtype=np.uint8)
+    savemat(folder / "a_solved.mat", {"note": "solved", "image": image, "particle": particles})
     return folder / "a_solved.mat", {}
 
 
@@ -200,7 +219,15 @@ def yade(folder: Path) -> Sample:
 
 
 SAMPLES: dict[str, Callable[[Path], Sample]] = {
-    "npz": npz, "csv": csv, "walled-csv": walled_csv, "lammps-dump": lammps_dump,
-    "lammps-data": lammps_data, "jambashbulk": jambashbulk, "rigid-library": rigid_library,
-    "mercury": mercury, "photoelastic": photoelastic, "pegs-mat": pegs_mat, "yade": yade,
-}  # fmt: skip
+    "npz": npz,
+    "csv": csv,
+    "walled-csv": walled_csv,
+    "lammps-dump": lammps_dump,
+    "lammps-data": lammps_data,
+    "jambashbulk": jambashbulk,
+    "rigid-library": rigid_library,
+    "mercury": mercury,
+    "photoelastic": photoelastic,
+    "pegs-mat": pegs_mat,
+    "yade": yade,
+}

@@ -56,15 +56,28 @@ def read(path: Path, *, frame: int = -1) -> Snapshot:
     overlaps = radii[pairs].sum(axis=1) - np.hypot(*branches.T)
     held = backbone(pairs, overlaps > 0, count, fewest_contacts(frictional=False))
     note = text.note(
-        "information", "guessed", f"contacts are the {held.sum()} overlaps between grains with three "
-        f"or more, forces are these overlaps (k = 1); the file states P = {pressure:.6g}", start,
+        "information",
+        "guessed",
+        f"contacts are the {held.sum()} overlaps between grains with three "
+        f"or more, forces are these overlaps (k = 1); the file states P = {pressure:.6g}",
+        start,
         int(held.sum()),
-    )  # fmt: skip
+    )
     return Snapshot(
-        grains[:, :2], radii, cell, pairs[held], images[held], normal_forces=overlaps[held],
-        tangential_forces=np.zeros(int(held.sum())), law=Linear(1.0), stiffness=1.0, friction=0.0,
-        source=path.name, notes=(note,), grain_lines=lines,
-    )  # fmt: skip
+        grains[:, :2],
+        radii,
+        cell,
+        pairs[held],
+        images[held],
+        normal_forces=overlaps[held],
+        tangential_forces=np.zeros(int(held.sum())),
+        law=Linear(1.0),
+        stiffness=1.0,
+        friction=0.0,
+        source=path.name,
+        notes=(note,),
+        grain_lines=lines,
+    )
 
 
 def _header(text: Text, line: int) -> tuple[int, Floats, float]:
@@ -100,9 +113,12 @@ def _grains(text: Text, start: int, count: int) -> tuple[Floats, np.ndarray]:
     if there != count or not ends:
         name = "cut-short" if not ends else "damaged"
         raise text.problem(
-            name, f"the header announces {count} grains, {there} are there"
-            + ("" if ends else ", and no } ends them"), start + there, there,
-        )  # fmt: skip
+            name,
+            f"the header announces {count} grains, {there} are there"
+            + ("" if ends else ", and no } ends them"),
+            start + there,
+            there,
+        )
     if not count:
         raise text.problem("no-grains", "the packing has no grain", start, 0)
     return text.numbers(rows, 3, ","), np.arange(start + 2, start + 2 + count)

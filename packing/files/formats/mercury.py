@@ -47,9 +47,11 @@ def read(path: Path) -> Snapshot:
     good_radii(radii, text, np.array(grains) + 1)
     if np.ptp(x[:, 2]) > 1e-6 * radii.mean():
         raise text.problem(
-            "three-dimensional", f"particles lie between z = {x[:, 2].min():g} and {x[:, 2].max():g}",
-            grains.start, float(np.ptp(x[:, 2])),
-        )  # fmt: skip
+            "three-dimensional",
+            f"particles lie between z = {x[:, 2].min():g} and {x[:, 2].max():g}",
+            grains.start,
+            float(np.ptp(x[:, 2])),
+        )
     inverse = _vectors(text, grains, "invMass", 1)[:, 0]
     masses = np.where(inverse > 0, 1 / np.where(inverse > 0, inverse, 1), 0.0)
     velocity, spin = (_vectors(text, grains, name) for name in ("velocity", "angularVelocity"))
@@ -61,13 +63,24 @@ def read(path: Path) -> Snapshot:
         _species(text, at["Species"], n) for n in ("stiffness", "slidingFriction")
     )
     return Snapshot(
-        x[:, :2], radii, cell, ordered_rows.pairs, ordered_rows.images,
-        normal_forces=ordered_rows.normal, tangential_forces=ordered_rows.tangential,
-        external=_weight(text, masses), walls=None if around is None else around.walls,
-        stiffness=stiffness, friction=0.0 if friction is None else friction, masses=masses,
-        velocities=np.column_stack([velocity[:, :2], spin[:, 2]]), source=path.name, notes=notes,
-        grain_lines=np.array(grains) + 1, contact_lines=ordered_rows.lines,
-    )  # fmt: skip
+        x[:, :2],
+        radii,
+        cell,
+        ordered_rows.pairs,
+        ordered_rows.images,
+        normal_forces=ordered_rows.normal,
+        tangential_forces=ordered_rows.tangential,
+        external=_weight(text, masses),
+        walls=None if around is None else around.walls,
+        stiffness=stiffness,
+        friction=0.0 if friction is None else friction,
+        masses=masses,
+        velocities=np.column_stack([velocity[:, :2], spin[:, 2]]),
+        source=path.name,
+        notes=notes,
+        grain_lines=np.array(grains) + 1,
+        contact_lines=ordered_rows.lines,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,13 +112,16 @@ def _sections(text: Text) -> dict[str, range]:
     found.setdefault("Boundaries", range(0))
     for name, rows in found.items():
         there = min(rows.stop, len(text.lines)) - rows.start
-        wrong = [k for k in rows if k < len(text.lines) and _is_section(text.lines[k])]
+        within = range(rows.start, min(rows.stop, len(text.lines)))
+        wrong = [k for k in within if _is_section(text.lines[k])]
         if (len(rows) and there < len(rows)) or wrong:
             there = wrong[0] - rows.start if wrong else max(there, 0)
             raise text.problem(
                 "damaged" if wrong else "cut-short",
-                f"{len(rows)} {name} are announced, {there} are there", rows.start + there - 1, there,
-            )  # fmt: skip
+                f"{len(rows)} {name} are announced, {there} are there",
+                rows.start + there - 1,
+                there,
+            )
     return found
 
 
@@ -143,9 +159,10 @@ def _walls(text: Text, rows: range) -> _Around | None:
     for k in rows:
         if not text.lines[k].startswith("InfiniteWall"):
             raise text.problem(
-                "missing-walls", f"{text.lines[k].split()[:1]} is no straight wall: only InfiniteWall "
-                "is known", k,
-            )  # fmt: skip
+                "missing-walls",
+                f"{text.lines[k].split()[:1]} is no straight wall: only InfiniteWall is known",
+                k,
+            )
     n, point = _vectors(text, rows, "normal"), _vectors(text, rows, "position")
     flat = np.abs(n[:, 2]) < 1e-9  # walls in front of and behind the plane bear nothing
     if not flat.any():
@@ -163,9 +180,11 @@ def _cell(text: Text, rows: range, x: Floats, radii: Floats) -> Floats | None:
     for k in rows:
         if not text.lines[k].startswith("PeriodicBoundary"):
             raise text.problem(
-                "damaged", f"the boundary {text.lines[k].split()[:1]} is not known: PeriodicBoundary "
-                "alone is", k,
-            )  # fmt: skip
+                "damaged",
+                f"the boundary {text.lines[k].split()[:1]} is not known: PeriodicBoundary "
+                "alone is",
+                k,
+            )
         n = _vectors(text, [k], "normal")[0, :2]
         if np.hypot(*n) < 1e-9:
             continue
@@ -190,9 +209,7 @@ def _interactions(text: Text, rows: range, s: _State) -> ContactRows:
     pairs = np.zeros((len(rows), 2), dtype=np.int64)
     two = [k for k, yes in zip(rows, inner, strict=True) if yes]
     one = [k for k, yes in zip(rows, inner, strict=True) if not yes]
-    pairs[inner] = places(
-        _vectors(text, two, "particleIds", 2), s.ids, text, lines[inner]
-    )  # fmt: skip
+    pairs[inner] = places(_vectors(text, two, "particleIds", 2), s.ids, text, lines[inner])
     if one:
         named = _vectors(text, one, "particleWallIds", 2)
         pairs[~inner, 0] = places(named[:, :1], s.ids, text, lines[~inner])[:, 0]

@@ -38,9 +38,13 @@ def recognises(path: Path, head: str) -> bool:
 
 
 def read(
-    path: Path, *, contacts: Any = None, radii: Any = None, parameters: Any = None,
+    path: Path,
+    *,
+    contacts: Any = None,
+    radii: Any = None,
+    parameters: Any = None,
     lees_edwards: float | None = None,
-) -> Snapshot:  # fmt: skip
+) -> Snapshot:
     """A snapshot of grains and contacts.
 
     Parameters
@@ -72,17 +76,30 @@ def read(
         if count != p["np"]:
             raise of.problem(
                 "cut-short" if count < p["np"] else "damaged",
-                f"{p['np']:.0f} grains are announced, {count} are there", count - 1, count,
-            )  # fmt: skip
+                f"{p['np']:.0f} grains are announced, {count} are there",
+                count - 1,
+                count,
+            )
     good_radii(R, sizes, lines)
     cell, notes = _cell(p, R, number, lees_edwards, text)
     rows, others = _contacts(text_of(told["contacts"]), table[:, :2], cell)
     return Snapshot(
-        table[:, :2], R, cell, rows.pairs, rows.images, normal_forces=rows.normal,
-        tangential_forces=rows.tangential, stiffness=p["k_rep"], friction=p["mu"],
-        velocities=table[:, 3:6], source=state.name, notes=(*notes, *others), grain_lines=lines,
-        contact_lines=rows.lines, contact_source=told["contacts"].name,
-    )  # fmt: skip
+        table[:, :2],
+        R,
+        cell,
+        rows.pairs,
+        rows.images,
+        normal_forces=rows.normal,
+        tangential_forces=rows.tangential,
+        stiffness=p["k_rep"],
+        friction=p["mu"],
+        velocities=table[:, 3:6],
+        source=state.name,
+        notes=(*notes, *others),
+        grain_lines=lines,
+        contact_lines=rows.lines,
+        contact_source=told["contacts"].name,
+    )
 
 
 def _beside(path: Path, told: Any, name: str, other: str) -> Path:
@@ -100,7 +117,7 @@ def _parameters(path: Path) -> dict[str, float]:
     words = {
         row[0]: (row[1], k) for k, line in enumerate(text.lines) if len(row := line.split()) > 1
     }
-    found = {}
+    found: dict[str, float] = {}
     for name in ("np", "phi", "k_rep", "mu", "boxVec1x", "strain_rate", "tprint"):
         if name not in words:
             raise text.problem("missing-column", f"there is no parameter {name}")
@@ -120,17 +137,22 @@ def _cell(
     L = float(np.sqrt(np.pi * np.sum(radii**2) / p["phi"]))
     if abs(L / p["boxVec1x"] - 1) > 1e-4:
         raise text.problem(
-            "damaged", f"boxVec1x = {p['boxVec1x']:g}, but the grains fill phi = {p['phi']:g} of a "
-            f"square with the side {L:.6g}", number=L,
-        )  # fmt: skip
+            "damaged",
+            f"boxVec1x = {p['boxVec1x']:g}, but the grains fill phi = {p['phi']:g} of a "
+            f"square with the side {L:.6g}",
+            number=L,
+        )
     if strain is None:
         strain = p["strain_rate"] * p["tprint"] * float(number or 0)
     strain = finite_number("lees_edwards", strain)
     shift = strain - np.floor(strain)
     note = text.note(
-        "information", "guessed", f"the cell is a square of L = {L:.15g} from phi and the radii, sheared "
-        f"(Lees-Edwards) by {strain:.6g}", number=strain,
-    )  # fmt: skip
+        "information",
+        "guessed",
+        f"the cell is a square of L = {L:.15g} from phi and the radii, sheared "
+        f"(Lees-Edwards) by {strain:.6g}",
+        number=strain,
+    )
     return np.array([[L, 0.0], [-shift * L, L]]), (note,)
 
 
@@ -146,10 +168,13 @@ def _contacts(text: Text, x: Floats, cell: Floats) -> tuple[ContactRows, tuple[N
     if off.max(initial=0.0) > _DIRECTION:
         e = int(off.argmax())
         raise text.problem(
-            "damaged", f"the listed normal ({table[e, 2]:g}, {table[e, 3]:g}) is off by {off[e]:.2g} from "
-            f"that of the positions, as are {(off > _DIRECTION).sum()} of {len(off)}: another shear "
-            "(lees_edwards=), or contacts of another time", e, float(off[e]),
-        )  # fmt: skip
+            "damaged",
+            f"the listed normal ({table[e, 2]:g}, {table[e, 3]:g}) is off by {off[e]:.2g} from "
+            f"that of the positions, as are {(off > _DIRECTION).sum()} of {len(off)}: another "
+            "shear (lees_edwards=), or contacts of another time",
+            e,
+            float(off[e]),
+        )
     viscous = float(np.sqrt(np.mean(table[:, 7] ** 2)))
     mean = float(table[:, 5].mean())
     notes = []
@@ -162,7 +187,7 @@ def _contacts(text: Text, x: Floats, cell: Floats) -> tuple[ContactRows, tuple[N
                 f"{viscous / mean:.2g} ⟨f_n⟩ rms; it is part of the balance and is kept",
                 0,
                 viscous / mean,
-            )  # fmt: skip
+            )
         )
     rows = ContactRows(pairs, images, table[:, 5], table[:, 6] + table[:, 7], lines)
     rows, left_out = ordered(rows, len(x), text)

@@ -25,6 +25,7 @@ from tests.packing.dumps import Dump
 
 ROOT = Path(__file__).resolve().parents[3]
 Edit = Callable[[str], str]
+PLAIN = Dump()
 
 
 @cache
@@ -33,7 +34,7 @@ def boxed():
     return relax(Scene(30, 1e-2, boundary="box"), 3, progress=False)
 
 
-def dump(folder: Path, how: Dump = Dump(), of: Packing | None = None) -> Callable[..., Any]:
+def dump(folder: Path, how: Dump = PLAIN, of: Packing | None = None) -> Callable[..., Any]:
     """Dumps of a packing, and how they are read."""
     atoms, contacts = how.write(folder, of or packing())
     return partial(read, atoms, contacts=contacts)
@@ -106,7 +107,7 @@ def column(name: str, change: Callable[[float], float | None]) -> Edit:
     """The table with a column changed; removed where it becomes None."""
 
     def new(text: str) -> str:
-        head = [k for k, row in enumerate(text.split("\n")) if row.startswith(("id,", "i,"))][0]
+        head = next(k for k, row in enumerate(text.split("\n")) if row.startswith(("id,", "i,")))
         lines = text.split("\n")
         at = lines[head].split(",").index(name)
         for k in range(head + 1, len(lines) - 1):
@@ -134,8 +135,8 @@ def both(*edits: Edit) -> Edit:
 
 @dataclass(frozen=True)
 class Fault:
-    """``name`` of the note; ``sound`` writes and reads; ``damage``; ``options`` of the second read;
-    ``line`` whether the note has one."""
+    """``name`` of the note; ``sound`` writes and reads; ``damage``; ``options`` of the second
+    read; ``line`` whether the note has one."""
 
     name: str
     sound: Callable[[Path], Callable[..., Any]]
@@ -154,61 +155,132 @@ FAULTS = [
     Fault("cut-short", table, edited(PAIRS, half)),
     Fault("cut-short", table, edited(PAIRS, both(without("# rows"), half))),
     Fault("unknown-format", table, edited(GRAINS, lambda text: "grains and contacts\n")),
-    Fault("binary", table, raw(GRAINS, lambda data: data[:99] + b"\0\1\2" + data[99:]), line=False),
+    Fault(
+        "binary", table, raw(GRAINS, lambda data: data[:99] + b"\0\1\2" + data[99:]), line=False
+    ),
     Fault("wrong-encoding", table, raw(GRAINS, lambda data: b"# \xb5m\n" + data)),
     Fault("no-number", table, edited(GRAINS, line(-3, word(1, "x", ",")))),
     Fault("no-number", dump, edited(ATOMS, line(-3, word(2, "1.5", " ")))),
     Fault("no-number", dump, edited(ATOMS, line(-3, word(0, "1_0", " ")))),
-    Fault("decimal-comma", table, edited(GRAINS, lambda t: re.sub(
-        r"(\d),", r"\1;", without("#")(t).replace("id,x,y,r,fx,fy,torque", "id;x;y;r;fx;fy;torque"))
-        .replace(".", ","))),
+    Fault(
+        "decimal-comma",
+        table,
+        edited(
+            GRAINS,
+            lambda t: re.sub(
+                r"(\d),",
+                r"\1;",
+                without("#")(t).replace("id,x,y,r,fx,fy,torque", "id;x;y;r;fx;fy;torque"),
+            ).replace(".", ","),
+        ),
+    ),
     Fault("not-finite", table, edited(GRAINS, line(-3, word(1, "nan", ",")))),
     Fault("not-finite", dump, edited(CONTACTS, line(-3, word(4, "1e300", " ")))),
     Fault("uneven-rows", table, edited(GRAINS, line(-9, lambda row: row + ",7"))),
     Fault("missing-column", table, edited(GRAINS, lambda text: text.replace("id,x,y", "id,x,w"))),
-    Fault("missing-file", lambda folder: lambda **o: o or dump(folder)() and read(
-        folder / CONTACTS, contacts=folder / ATOMS), lambda folder: read(folder / CONTACTS)),
+    Fault(
+        "missing-file",
+        lambda folder: (
+            lambda **o: o or (dump(folder)() and read(folder / CONTACTS, contacts=folder / ATOMS))
+        ),
+        lambda folder: read(folder / CONTACTS),
+    ),
     Fault("unknown-grain", dump, edited(CONTACTS, line(-3, word(1, "4711", " ")))),
     Fault("unknown-grain", table, edited(PAIRS, line(-3, word(0, "4711", ",")))),
     Fault("grain-twice", table, edited(GRAINS, line(-3, word(0, "1", ",")))),
     Fault("bad-radius", table, edited(GRAINS, line(-3, word(3, "0.0", ",")))),
     Fault("bad-cell", table, edited(GRAINS, lambda t: re.sub("# cell.*", "# cell: 1 2 2 4", t))),
     Fault("no-grains", table, edited(GRAINS, lambda text: ""), line=False),
-    Fault("three-dimensional", table, edited(GRAINS, lambda text: text.replace("torque", "z")
-                                             .replace(",0.0\n", ",0.5\n", 3))),
-    Fault("three-dimensional", dump, edited(ATOMS, lambda t: re.sub(
-        r"diameter((?:\n.*)*)", lambda m: "diameter z" + m[1].replace("\n", " 1\n").replace(
-            " 1\n", "\n", 1)[:-2] + " 2\n", t[:-1] + " \n"))),
+    Fault(
+        "three-dimensional",
+        table,
+        edited(GRAINS, lambda text: text.replace("torque", "z").replace(",0.0\n", ",0.5\n", 3)),
+    ),
+    Fault(
+        "three-dimensional",
+        dump,
+        edited(
+            ATOMS,
+            lambda t: re.sub(
+                r"diameter((?:\n.*)*)",
+                lambda m: (
+                    "diameter z"
+                    + m[1].replace("\n", " 1\n").replace(" 1\n", "\n", 1)[:-2]
+                    + " 2\n"
+                ),
+                t[:-1] + " \n",
+            ),
+        ),
+    ),
     Fault("damaged", dump, edited(CONTACTS, lambda text: text.replace("STEP\n0", "STEP\n7"))),
-    Fault("listed-twice", table, edited(PAIRS, both(
-        without("# rows"), lambda text: text + text.split("\n")[-3] + "\n"))),
-    Fault("listed-twice", table, edited(PAIRS, both(without("# rows"), lambda text: text + word(
-        -2, "0.5", ",")(text.split("\n")[-3]) + "\n"))),
-    Fault("zero-force", table, edited(PAIRS, both(
-        without("# rows"), lambda text: text + "0,1,0,0,0.0,0.0,0.0\n"))),
+    Fault(
+        "listed-twice",
+        table,
+        edited(PAIRS, both(without("# rows"), lambda text: text + text.split("\n")[-3] + "\n")),
+    ),
+    Fault(
+        "listed-twice",
+        table,
+        edited(
+            PAIRS,
+            both(
+                without("# rows"),
+                lambda text: text + word(-2, "0.5", ",")(text.split("\n")[-3]) + "\n",
+            ),
+        ),
+    ),
+    Fault(
+        "zero-force",
+        table,
+        edited(PAIRS, both(without("# rows"), lambda text: text + "0,1,0,0,0.0,0.0,0.0\n")),
+    ),
     Fault("open-contacts", table, edited(GRAINS, column("r", lambda r: 0.999 * r)), line=False),
     Fault("diameters-for-radii", table, edited(GRAINS, column("r", lambda r: 2 * r))),
     Fault("diameters-for-radii", table, edited(GRAINS, column("r", lambda r: r / 2))),
-    Fault("pixels", table, edited(GRAINS, both(facts, lambda text: text.replace("x,y", "x [px],y [px]"),
-                                               )), line=False),
+    Fault(
+        "pixels",
+        table,
+        edited(
+            GRAINS,
+            both(
+                facts,
+                lambda text: text.replace("x,y", "x [px],y [px]"),
+            ),
+        ),
+        line=False,
+    ),
     Fault("units-mixed", table, options=(("stiffness", 1e3),)),
-    Fault("units-mixed", table, edited(PAIRS, both(
-        column("fn", lambda f: 1e3 * f), column("ft", lambda f: 1e3 * f)))),
+    Fault(
+        "units-mixed",
+        table,
+        edited(PAIRS, both(column("fn", lambda f: 1e3 * f), column("ft", lambda f: 1e3 * f))),
+    ),
     Fault("viscous-forces", dump, lambda folder: dump(folder, Dump(viscous=1e-6)), line=False),
     Fault("not-at-rest", table, edited(PAIRS, line(-3, word(-2, "0.002", ","))), line=False),
-    Fault("missing-walls", partial(table, of=boxed()), edited(PAIRS, both(
-        without("# rows"), lambda text: re.sub(r"(?m)^\d+,-\d.*\n", "", text))), line=False),
-    Fault("missing-walls", partial(table, of=boxed()), edited(GRAINS, without("# wall", "# load"))),
+    Fault(
+        "missing-walls",
+        partial(table, of=boxed()),
+        edited(PAIRS, both(without("# rows"), lambda text: re.sub(r"(?m)^\d+,-\d.*\n", "", text))),
+        line=False,
+    ),
+    Fault(
+        "missing-walls", partial(table, of=boxed()), edited(GRAINS, without("# wall", "# load"))
+    ),
     Fault("beyond-coulomb", table, options=(("friction", 0.01),), line=False),
     Fault("pulling", table, edited(PAIRS, line(-3, word(-2, "-0.1", ","))), line=False),
-    Fault("no-forces", table, edited(PAIRS, both(
-        column("fn", lambda f: None), column("ft", lambda f: None))), line=False),
+    Fault(
+        "no-forces",
+        table,
+        edited(PAIRS, both(column("fn", lambda f: None), column("ft", lambda f: None))),
+        line=False,
+    ),
     Fault("no-radii", table, edited(GRAINS, column("r", lambda r: None)), line=False),
     Fault("no-contacts", table, lambda folder: (folder / PAIRS).unlink(), line=False),
-    Fault("no-law", table, edited(GRAINS, both(facts, column("r", lambda r: 0.995 * r))),
-          line=False),
+    Fault(
+        "no-law", table, edited(GRAINS, both(facts, column("r", lambda r: 0.995 * r))), line=False
+    ),
     Fault("frames", dump, lambda folder: dump(folder, Dump(frames=3))),
-]  # fmt: skip
+]
 
 
 def found(reading: Callable[..., Any], **options: Any) -> list[Note]:
@@ -278,9 +350,17 @@ def test_pixels_are_recognised_without_their_name(tmp_path):
 
 
 ELSEWHERE = {
-    "too-large", "six-digit-coordinates", "coarse-coordinates", "two-sided", "guessed",
-    "rattlers", "balance", "overlaps", "pressure", "units",
-}  # fmt: skip
+    "too-large",
+    "six-digit-coordinates",
+    "coarse-coordinates",
+    "two-sided",
+    "guessed",
+    "rattlers",
+    "balance",
+    "overlaps",
+    "pressure",
+    "units",
+}
 """Names with tests of their own, here or beside the format that raises them."""
 
 

@@ -32,10 +32,14 @@ def agree(p, q, tolerance=0.0):
 
 
 PACKINGS = {
-    "npz": {}, "csv": {}, "walled-csv": {"boundary": "box"}, "lammps-dump": {},
-    "jambashbulk": {"friction": 0.0}, "mercury": {"boundary": "box"},
+    "npz": {},
+    "csv": {},
+    "walled-csv": {"boundary": "box"},
+    "lammps-dump": {},
+    "jambashbulk": {"friction": 0.0},
+    "mercury": {"boundary": "box"},
     "rigid-library": {"grains": 40},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", PACKINGS)
@@ -80,7 +84,7 @@ def test_text_may_be_packed_and_have_other_line_ends(name, tmp_path):
 @pytest.mark.parametrize("coordinates", ["x", "xu", "xs", "xsu"])
 @pytest.mark.parametrize("order", [(0, 1, 2, 3, 4, 5, 6, 7), (6, 7, 2, 4, 5, 0, 1, 3)])
 def test_dumps_of_any_kind(coordinates, order, tmp_path):
-    """Wrapped, unwrapped, scaled; columns in any order; forces on either grain; either grain first."""
+    """Wrapped, unwrapped, scaled; columns in any order; forces on either grain; either first."""
     p = made()
     for second in (False, True):
         for reverse in (False, True):
@@ -128,7 +132,7 @@ def test_frames(tmp_path):
     early = read(atoms, contacts=contacts, frame=0)
     assert early.positions == pytest.approx(1.5 * p.positions)
     assert [note.number for note in notes(early) if note.name == "frames"] == [0]
-    with pytest.raises(ValueError, match="frame = 3, but .* has 3 frames"):
+    with pytest.raises(ValueError, match=r"frame = 3, but .* has 3 frames"):
         read(atoms, contacts=contacts, frame=3)
 
 
@@ -143,7 +147,8 @@ def test_a_tilted_box(tmp_path):
     )
     s = x @ np.linalg.inv(sheared)
     rows = [
-        f"{k} {a!r} {b!r} {r!r}" for k, ((a, b), r) in enumerate(zip(s.tolist(), p.radii.tolist()))
+        f"{k} {a!r} {b!r} {r!r}"
+        for k, ((a, b), r) in enumerate(zip(s.tolist(), p.radii.tolist(), strict=True))
     ]
     file = tmp_path / "tilted.dump"
     high, b = float(p.cell[0, 0]) + 2.0, float(p.cell[1, 1])
@@ -156,7 +161,8 @@ def test_a_tilted_box(tmp_path):
 def test_a_general_triclinic_box(tmp_path):
     text = (
         "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS abc origin pp pp pp\n"
-        "3 1 0 0.5\n-1 4 0 0.25\n0 0 1 -0.5\nITEM: ATOMS id xs ys radius\n1 0 0 0.5\n2 0.5 0.5 0.5\n"
+        "3 1 0 0.5\n-1 4 0 0.25\n0 0 1 -0.5\n"
+        "ITEM: ATOMS id xs ys radius\n1 0 0 0.5\n2 0.5 0.5 0.5\n"
     )
     (tmp_path / "abc.dump").write_text(text)
     m = read(tmp_path / "abc.dump")
@@ -173,7 +179,7 @@ def test_radii_by_type(tmp_path):
     assert read(path).radii is None
     assert read(path, radius=0.5).radii.tolist() == [0.5, 0.5]
     assert read(path, radius={1: 0.5, 2: 0.7}).radii.tolist() == [0.7, 0.5]
-    with pytest.raises(ValueError, match="radius.* no type 2"):
+    with pytest.raises(ValueError, match=r"radius.* no type 2"):
         read(path, radius={1: 0.5})
 
 
@@ -196,7 +202,8 @@ def test_forces_from_both_sides(name, tmp_path):
     assert {"two-sided", "pixels", "guessed"} <= set(names(m))
     inner = p.pairs[:, 1] < len(p.radii)
     true = dict(zip(map(tuple, p.pairs[inner].tolist()), p.normal_forces[inner], strict=True))
-    ours = {tuple(q): f for q, f in zip(m.pairs.tolist(), m.normal_forces) if q[1] < m.grains}
+    found = zip(map(tuple, m.pairs.tolist()), m.normal_forces, strict=True)
+    ours = {pair: f for pair, f in found if pair[1] < m.grains}
     assert set(ours) == set(true)
     off = np.array([ours[k] - true[k] for k in true]) / p.normal_forces.mean()
     noise = 0.05 / np.sqrt(2)
@@ -223,7 +230,10 @@ def test_a_reading_that_measured_nothing(tmp_path):
     rows = [row.split(",") for row in options["contacts"].read_text().split()]
     noise = np.random.default_rng(1).normal(size=len(rows))
     options["contacts"].write_text(
-        "".join(f"{r[0]},{r[1]},{r[2]},{x!r},{r[4]}\n" for r, x in zip(rows, noise.tolist()))
+        "".join(
+            f"{r[0]},{r[1]},{r[2]},{x!r},{r[4]}\n"
+            for r, x in zip(rows, noise.tolist(), strict=True)
+        )
     )
     m = read(path, **options)
     assert m.tangential_forces is None

@@ -50,9 +50,15 @@ def atoms_of(frame: Frame, radius: float | Mapping[int, float] | None) -> Atoms:
     x = _positions(frame, table)
     _refuse_height(frame, table, x if sizes is None else sizes)
     return Atoms(
-        frame, table, ids, x, sizes, _some(frame, table, ("mass",), 0),
-        _some(frame, table, ("vx", "vy", "omegaz")), lines,
-    )  # fmt: skip
+        frame,
+        table,
+        ids,
+        x,
+        sizes,
+        _some(frame, table, ("mass",), 0),
+        _some(frame, table, ("vx", "vy", "omegaz")),
+        lines,
+    )
 
 
 def _positions(frame: Frame, table: Floats) -> Floats:
@@ -64,9 +70,10 @@ def _positions(frame: Frame, table: Floats) -> Floats:
         if x in names and y in names:
             return frame.origin + _columns(frame, table, (x, y)) @ frame.cell
     raise frame.text.problem(
-        "missing-column", f"there are no coordinates x y, xu yu, xs ys or xsu ysu among "
-        f"{' '.join(names)}", frame.start - 1,
-    )  # fmt: skip
+        "missing-column",
+        f"there are no coordinates x y, xu yu, xs ys or xsu ysu among {' '.join(names)}",
+        frame.start - 1,
+    )
 
 
 def _sizes(
@@ -82,9 +89,10 @@ def _sizes(
         return np.full(len(table), float(radius))
     if "type" not in frame.columns:
         raise frame.text.problem(
-            "missing-column", "radius is given by type, but there is no column type",
+            "missing-column",
+            "radius is given by type, but there is no column type",
             frame.start - 1,
-        )  # fmt: skip
+        )
     kinds = _column(frame, table, "type").astype(int).tolist()
     if missing := sorted(set(kinds) - set(radius)):
         raise ValueError(f"radius = {shown(radius)} has no type {missing[0]}")
@@ -98,10 +106,12 @@ def _refuse_height(frame: Frame, table: Floats, lengths: Floats) -> None:
             z = scale * _column(frame, table, name)
             if np.ptp(z) > _FLAT * float(np.abs(lengths).mean()):
                 raise frame.text.problem(
-                    "three-dimensional", f"the grains lie between z = {z.min():.6g} and "
-                    f"{z.max():.6g}: this is a packing in three dimensions", frame.start,
+                    "three-dimensional",
+                    f"the grains lie between z = {z.min():.6g} and "
+                    f"{z.max():.6g}: this is a packing in three dimensions",
+                    frame.start,
                     float(np.ptp(z)),
-                )  # fmt: skip
+                )
 
 
 def _some(

@@ -2,8 +2,8 @@
 
 Columns like c_pd[3] carry no meaning in their names.  The data show it: ids are whole numbers of
 grains that lie next to each other; the vector of the normal force is parallel to the line of
-centres, that of the tangential force perpendicular to it.  A normal force that points to the second
-grain in most contacts acts on the second: the contacts of grains at rest push.
+centres, that of the tangential force perpendicular to it.  A normal force that points to the
+second grain in most contacts acts on the second: the contacts of grains at rest push.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class Columns:
 def told_columns(frame: Frame, columns: Mapping[str, object]) -> Columns:
     """The places of columns that the user named.
 
-    ``columns``: id1, id2 -> a name; normal, tangential, force -> two names.  ValueError: an unknown
-    meaning or column.
+    ``columns``: id1, id2 -> a name; normal, tangential, force -> two names.  ValueError: a
+    meaning or column that is not known.
     """
     at: dict[str, tuple[int, ...]] = {}
     for meaning, names in columns.items():
@@ -72,9 +72,11 @@ def guessed_ids(frame: Frame, table: Floats, ids: Integers) -> tuple[int, int]:
     if len(whole) >= 2:  # ids, of which some are not those of grains
         places(table[:, whole[:2]], ids, frame.text, frame.lines)
     raise frame.text.problem(
-        "missing-column", f"no two columns of {' '.join(frame.columns)} are ids of grains: say "
-        "columns={'id1': ..., 'id2': ...}", frame.start - 1,
-    )  # fmt: skip
+        "missing-column",
+        f"no two columns of {' '.join(frame.columns)} are ids of grains: say "
+        "columns={'id1': ..., 'id2': ...}",
+        frame.start - 1,
+    )
 
 
 def guessed_vectors(

@@ -40,9 +40,10 @@ def contact_rows(
     if (r == 0).any():
         e = int(np.argmax(r == 0))
         raise frame.text.problem(
-            "damaged", f"the grains {table[e, ids[0]]:.0f} and {table[e, ids[1]]:.0f} lie at one "
-            "point", int(frame.lines[e]) - 1,
-        )  # fmt: skip
+            "damaged",
+            f"the grains {table[e, ids[0]]:.0f} and {table[e, ids[1]]:.0f} lie at one point",
+            int(frame.lines[e]) - 1,
+        )
     found = told or Columns(ids, guessed_vectors(frame, table, d, ids) if len(table) else {})
     normal, tangential, notes = _forces(frame, table, d / r[:, None], found)
     if told is None:
@@ -65,16 +66,23 @@ def _forces(
     if not np.sum(normal) < 0:
         return normal, tangential, ()
     note = frame.text.note(
-        "information", "guessed", "the forces listed act on the second grain of a contact: taken so, "
-        "contacts push", frame.start - 1,
-    )  # fmt: skip
+        "information",
+        "guessed",
+        "the forces listed act on the second grain of a contact: taken so, contacts push",
+        frame.start - 1,
+    )
     return -normal, None if tangential is None else -tangential, (note,)
 
 
 def with_walls(
-    rows: ContactRows, grain: Integers, wall: Integers, normal: Floats, tangential: Floats,
-    count: int, lines: Integers,
-) -> ContactRows:  # fmt: skip
+    rows: ContactRows,
+    grain: Integers,
+    wall: Integers,
+    normal: Floats,
+    tangential: Floats,
+    count: int,
+    lines: Integers,
+) -> ContactRows:
     """The rows and, behind them, contacts of grains with walls."""
     if rows.normal is None:
         return rows

@@ -50,9 +50,11 @@ def read(path: Path) -> Snapshot:
     table, lines = table[order], lines[order]
     if np.ptp(table[:, 6]) > 1e-6 * table[:, 2].mean():
         raise text.problem(
-            "three-dimensional", f"atoms lie between z = {table[:, 6].min():g} and "
-            f"{table[:, 6].max():g}", int(lines[0]) - 1, float(np.ptp(table[:, 6])),
-        )  # fmt: skip
+            "three-dimensional",
+            f"atoms lie between z = {table[:, 6].min():g} and {table[:, 6].max():g}",
+            int(lines[0]) - 1,
+            float(np.ptp(table[:, 6])),
+        )
     images = table[:, 7:9] if table.shape[1] == 10 else np.zeros((count, 2))
     note = text.note(
         "information",
@@ -60,9 +62,13 @@ def read(path: Path) -> Snapshot:
         "a data file does not say which sides are periodic: all are taken so",
     )
     return Snapshot(
-        table[:, 4:6] + images @ cell, good_radii(table[:, 2] / 2, text, lines), cell,
-        source=path.name, notes=(note,), grain_lines=lines,
-    )  # fmt: skip
+        table[:, 4:6] + images @ cell,
+        good_radii(table[:, 2] / 2, text, lines),
+        cell,
+        source=path.name,
+        notes=(note,),
+        grain_lines=lines,
+    )
 
 
 def _line(text: Text, ending: str) -> int | None:
@@ -103,12 +109,16 @@ def _atoms(text: Text, count: int) -> tuple[Floats, np.ndarray]:
     if len(rows) != count:
         raise text.problem(
             "cut-short" if len(rows) < count else "damaged",
-            f"{count} atoms are announced, {len(rows)} are there", at[0] + len(rows), len(rows),
-        )  # fmt: skip
+            f"{count} atoms are announced, {len(rows)} are there",
+            at[0] + len(rows),
+            len(rows),
+        )
     table = text.numbers(rows)
     if table.shape[1] not in (7, 10):
         raise text.problem(
-            "uneven-rows", f"atoms have {table.shape[1]} entries, not 7 or 10 as in the style sphere",
-            rows[0], table.shape[1],
-        )  # fmt: skip
+            "uneven-rows",
+            f"atoms have {table.shape[1]} entries, not 7 or 10 as in the style sphere",
+            rows[0],
+            table.shape[1],
+        )
     return table, np.array(rows, dtype=np.int64) + 1

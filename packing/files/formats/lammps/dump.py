@@ -28,10 +28,13 @@ def recognises(path: Path, head: str) -> bool:
 
 
 def read(
-    path: Path, *, contacts: Any = None, frame: int = -1,
+    path: Path,
+    *,
+    contacts: Any = None,
+    frame: int = -1,
     columns: Mapping[str, object] | None = None,
     radius: float | Mapping[int, float] | None = None,
-) -> Snapshot:  # fmt: skip
+) -> Snapshot:
     """Grains of a `dump custom`, and contacts of a `dump local`.
 
     Parameters
@@ -41,8 +44,8 @@ def read(
     contacts : path, optional
         The other dump.
     frame : int, default -1
-        Which frame of the grains, counted from 0, or from the end if negative; of the contacts that
-        of the same time step.
+        Which frame of the grains, counted from 0, or from the end if negative; the contacts are
+        those of the same time step.
     columns : dict, optional
         What columns of the contacts mean: ``id1``, ``id2`` a name; ``normal``, ``tangential`` or
         ``force`` (their sum) two names, of components of the force on the first grain. Left out:
@@ -57,15 +60,23 @@ def read(
     grains, notes = _frame(first, frame)
     if grains.table != "ATOMS":
         raise first.problem(
-            "missing-file", f"the rows are {grains.table}, not ATOMS: this is a dump of contacts; give "
-            "that of the grains, and this one as contacts=", grains.start - 1,
-        )  # fmt: skip
+            "missing-file",
+            f"the rows are {grains.table}, not ATOMS: this is a dump of contacts; give "
+            "that of the grains, and this one as contacts=",
+            grains.start - 1,
+        )
     atoms = atoms_of(grains, radius)
     cell, height = _cell(atoms)
     found = Snapshot(
-        atoms.positions, atoms.radii, cell, masses=atoms.masses, velocities=atoms.velocities,
-        source=first.path.name, notes=(*notes, *height), grain_lines=atoms.lines,
-    )  # fmt: skip
+        atoms.positions,
+        atoms.radii,
+        cell,
+        masses=atoms.masses,
+        velocities=atoms.velocities,
+        source=first.path.name,
+        notes=(*notes, *height),
+        grain_lines=atoms.lines,
+    )
     return found if second is None else _with_contacts(found, atoms, second, columns)
 
 
@@ -79,9 +90,14 @@ def _with_contacts(
     count = len(atoms.ids)
     if at_walls is not None:
         rows = with_walls(
-            rows, at_walls.grain, at_walls.wall, at_walls.normal, at_walls.tangential, count,
+            rows,
+            at_walls.grain,
+            at_walls.wall,
+            at_walls.normal,
+            at_walls.tangential,
+            count,
             atoms.lines,
-        )  # fmt: skip
+        )
         notes = (*notes, at_walls.note)
     rows, left_out = ordered(rows, count, text)
     return Snapshot(
@@ -95,7 +111,7 @@ def _with_contacts(
             "walls": None if at_walls is None else at_walls.walls,
             "contact_source": text.path.name,
             "notes": (*notes, *left_out),
-        }  # fmt: skip
+        }
     )
 
 
@@ -113,9 +129,12 @@ def _frame(text: Text, frame: int) -> tuple[Frame, tuple[Note, ...]]:
     if len(starts) == 1:
         return found, ()
     note = text.note(
-        "information", "frames", f"frame {k} of 0 ... {len(starts) - 1} is read, time step "
-        f"{found.step}", starts[k], k,
-    )  # fmt: skip
+        "information",
+        "frames",
+        f"frame {k} of 0 ... {len(starts) - 1} is read, time step {found.step}",
+        starts[k],
+        k,
+    )
     return found, (note,)
 
 
@@ -130,9 +149,11 @@ def _same_step(text: Text, step: int) -> Frame:
         if seen[-1] == str(step):
             return frame_at(text, start, end)
     raise text.problem(
-        "damaged", f"the grains are those of time step {step}, the contacts of {', '.join(seen[:5])}",
-        starts[0] + 1, step,
-    )  # fmt: skip
+        "damaged",
+        f"the grains are those of time step {step}, the contacts of {', '.join(seen[:5])}",
+        starts[0] + 1,
+        step,
+    )
 
 
 def _cell(atoms: Atoms) -> tuple[Floats | None, tuple[Note, ...]]:
@@ -140,9 +161,11 @@ def _cell(atoms: Atoms) -> tuple[Floats | None, tuple[Note, ...]]:
     frame = atoms.frame
     if frame.periodic is None:
         note = frame.text.note(
-            "information", "guessed", "the box does not say which sides are periodic: all are taken "
-            "so", frame.start - 1,
-        )  # fmt: skip
+            "information",
+            "guessed",
+            "the box does not say which sides are periodic: all are taken so",
+            frame.start - 1,
+        )
         return frame.cell, (note,)
     if not any(frame.periodic):
         return None, ()
@@ -156,7 +179,10 @@ def _cell(atoms: Atoms) -> tuple[Floats | None, tuple[Note, ...]]:
     cell[0] = frame.cell[along]
     cell[1, 1 - along] = far if along == 0 else -far
     note = frame.text.note(
-        "information", "guessed", f"periodic along {'xy'[along]} alone: the second lattice vector, "
-        "which nothing crosses, is made longer than the packing", frame.start - 1,
-    )  # fmt: skip
+        "information",
+        "guessed",
+        f"periodic along {'xy'[along]} alone: the second lattice vector, "
+        "which nothing crosses, is made longer than the packing",
+        frame.start - 1,
+    )
     return cell, (note,)

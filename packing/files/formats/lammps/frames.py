@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from packing.arguments.arrays import Floats
+from packing.arguments.arrays import Floats, Integers
 from packing.files.text import Text
 
 STEP = "ITEM: TIMESTEP"
@@ -43,9 +43,9 @@ class Frame:
         return self.text.numbers(rows, len(self.columns))
 
     @property
-    def lines(self) -> Floats:
+    def lines(self) -> Integers:
         """Of each row, from 1."""
-        return np.arange(self.start + 1, self.start + self.count + 1)
+        return np.arange(self.start + 1, self.start + self.count + 1, dtype=np.int64)
 
 
 def starts_of(text: Text) -> list[int]:
@@ -66,8 +66,9 @@ def frame_at(text: Text, start: int, end: int) -> Frame:
             whole = end < len(text.lines)
             raise text.problem(
                 "damaged" if whole else "cut-short",
-                f"the frame from line {start + 1} has no ITEM: {wanted}", end - 1,
-            )  # fmt: skip
+                f"the frame from line {start + 1} has no ITEM: {wanted}",
+                end - 1,
+            )
     head = text.lines[items[-1]].split(":", 1)[1].split()
     if _short(" ".join(head)) != "" or len(head) < 2:
         raise text.problem("cut-short", "the frame ends before its table", end - 1)
@@ -78,8 +79,10 @@ def frame_at(text: Text, start: int, end: int) -> Frame:
         short = count > there and end == len(text.lines)
         raise text.problem(
             "cut-short" if short else "damaged",
-            f"the frame announces {number:g} rows, {there} are there", end - 1, there,
-        )  # fmt: skip
+            f"the frame announces {number:g} rows, {there} are there",
+            end - 1,
+            there,
+        )
     return Frame(
         text, step, *_box(text, at["BOX BOUNDS"]), head[0], tuple(head[1:]), items[-1] + 1, count
     )

@@ -38,15 +38,17 @@ class WallContacts:
 def wall_contacts(atoms: Atoms) -> WallContacts | None:
     """What the columns of walls say; None if there are none, or nothing touches them."""
     groups = _groups(atoms.frame.columns)
-    grains, forces, points = [], [], []
+    grains: list[Integers] = []
+    forces: list[Floats] = []
+    points: list[Floats] = []
     for at in groups.values():
         touching = np.flatnonzero(atoms.table[:, at[1]] != 0)
         grains.append(touching)
-        forces.append(atoms.table[np.ix_(touching, [at[2], at[3]])])
-        points.append(atoms.table[np.ix_(touching, [at[5], at[6]])])
+        forces.append(atoms.table[touching][:, [at[2], at[3]]])
+        points.append(atoms.table[touching][:, [at[5], at[6]]])
     if not grains or not sum(map(len, grains)) or atoms.radii is None:
         return None
-    grain, force, point = map(np.concatenate, (grains, forces, points))
+    grain, force, point = np.concatenate(grains), np.concatenate(forces), np.concatenate(points)
     away = point - atoms.positions[grain]
     r = np.hypot(*away.T)
     if (r == 0).any():
@@ -68,10 +70,13 @@ def wall_contacts(atoms: Atoms) -> WallContacts | None:
         f"({a:.4g}, {b:.4g})·x = {h:.6g}" for (a, b), h in zip(n[first], offsets, strict=True)
     )
     note = atoms.frame.text.note(
-        "information", "guessed", f"{', '.join('f_' + g for g in groups)} are forces of walls on "
-        f"grains and points of contact: {len(first)} walls, {lines}", atoms.frame.start - 1,
+        "information",
+        "guessed",
+        f"{', '.join('f_' + g for g in groups)} are forces of walls on "
+        f"grains and points of contact: {len(first)} walls, {lines}",
+        atoms.frame.start - 1,
         len(first),
-    )  # fmt: skip
+    )
     t = np.column_stack([-n[:, 1], n[:, 0]])
     return WallContacts(
         grain, which, -np.sum(force * n, axis=1), np.sum(force * t, axis=1), walls, note

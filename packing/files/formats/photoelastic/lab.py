@@ -51,9 +51,12 @@ def snapshot_of(grains: Grains, readings: Readings, metre_per_pixel: float | Non
     at_wall = readings.other < 0
     inner = np.column_stack([readings.grain, readings.other])[~at_wall]
     m = merged(
-        inner, readings.normal[~at_wall], readings.tangential[~at_wall], readings.lines[~at_wall],
+        inner,
+        readings.normal[~at_wall],
+        readings.tangential[~at_wall],
+        readings.lines[~at_wall],
         readings.text,
-    )  # fmt: skip
+    )
     pairs, normal, tangential, lines = m.pairs, m.normal, m.tangential, m.lines
     notes, walls = m.notes, None
     if at_wall.any():
@@ -77,26 +80,40 @@ def snapshot_of(grains: Grains, readings: Readings, metre_per_pixel: float | Non
     if walls is not None:
         walls = walls.moved(walls.offsets * scale)
     return Snapshot(
-        grains.positions * scale, grains.radii * scale, None, pairs, np.zeros_like(pairs),
-        normal_forces=normal, tangential_forces=tangential, walls=walls,
-        uncertainty=m.uncertainty, length_unit="px" if metre_per_pixel is None else "m",
-        force_unit="N", source=grains.text.path.name, notes=notes, grain_lines=grains.lines,
-        contact_lines=lines, contact_source=readings.text.path.name,
-    )  # fmt: skip
+        grains.positions * scale,
+        grains.radii * scale,
+        None,
+        pairs,
+        np.zeros_like(pairs),
+        normal_forces=normal,
+        tangential_forces=tangential,
+        walls=walls,
+        uncertainty=m.uncertainty,
+        length_unit="px" if metre_per_pixel is None else "m",
+        force_unit="N",
+        source=grains.text.path.name,
+        notes=notes,
+        grain_lines=grains.lines,
+        contact_lines=lines,
+        contact_source=readings.text.path.name,
+    )
 
 
 def _zeros(readings: Readings, none: np.ndarray, lines: Integers) -> Note:
     return readings.text.note(
-        "information", "zero-force", f"{none.sum()} of {len(none)} listed pairs bear no force and are "
-        "left out", int(lines[np.argmax(none)]) - 1, int(none.sum()),
-    )  # fmt: skip
+        "information",
+        "zero-force",
+        f"{none.sum()} of {len(none)} listed pairs bear no force and are left out",
+        int(lines[np.argmax(none)]) - 1,
+        int(none.sum()),
+    )
 
 
 def _nearest_sides(
     grains: Grains, touching: Integers, towards: Floats | None, text: Text
 ) -> tuple[Integers, Walls, Note]:
     """(side of each contact, the sides as walls, a note): the side in whose direction the contact
-    lies, or that is nearest; of several contacts of one grain the first has the nearest, and so on.
+    lies, or that is nearest; of several contacts of a grain the first has the nearest, and so on.
     """
     x, R = grains.positions[touching], grains.radii[touching]
     reach = x @ _SIDES.T + R[:, None]
@@ -115,7 +132,11 @@ def _nearest_sides(
         else ""
     )
     note = text.note(
-        "information", "guessed", f"{len(touching)} contacts are with walls whose lines the file does "
-        f"not say: taken for {len(kept)} sides of the box around them{corner}", None, len(touching),
-    )  # fmt: skip
+        "information",
+        "guessed",
+        f"{len(touching)} contacts are with walls whose lines the file does "
+        f"not say: taken for {len(kept)} sides of the box around them{corner}",
+        None,
+        len(touching),
+    )
     return np.reshape(side, -1), Walls(_SIDES[kept], offsets[kept]), note

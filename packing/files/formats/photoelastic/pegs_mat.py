@@ -1,4 +1,4 @@
-"""Solved particles of PeGS2: a .mat with the structure array ``particle``, through scipy.io.
+"""Solved particles of PeGS2: a .mat with the structure array ``particle``.
 
     x y r                       pixels (rm: metres)        id
     forces alphas neighbours    |F|, angle to the normal, number of the other disk (<= 0: a wall)
@@ -10,14 +10,15 @@ f_n = F cos α, f_t = F sin α, each contact read from both of its disks.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from packing.arguments.arrays import Floats
+from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import LARGEST
 from packing.files.contact_rows import good_radii, grain_ids, places
 from packing.files.formats.photoelastic.lab import Grains, Readings, snapshot_of
+from packing.files.formats.photoelastic.mat5 import Broken, structures
 from packing.files.npz import naming_path
 from packing.files.snapshot import Snapshot
 from packing.files.text import Text
@@ -70,54 +71,39 @@ def read(path: Path, *, metre_per_pixel: float | None = None) -> Snapshot:
     return snapshot_of(grains, readings, metre_per_pixel)
 
 
-def _particles(path: Path, text: Text) -> list[Any]:
-    from scipy.io import loadmat
-
+def _particles(path: Path, text: Text) -> list[dict[str, Floats]]:
     with naming_path("path", path), path.open("rb") as stream:
-        head = stream.read(116)
-        stream.seek(0)
-        if b"MATLAB 7.3" in head:
-            raise text.problem(
-                "damaged", "the file is of MATLAB 7.3 (HDF5): save it with '-v7' in MATLAB"
-            )
-        try:
-            content = loadmat(stream, squeeze_me=True, struct_as_record=False)
-        except Exception as error:  # damaged bytes make it raise nearly anything
-            raise text.problem(
-                "cut-short", f"the file is cut off or damaged: {error or type(error).__name__}"
-            ) from None
-    if "particle" not in content:
-        names = ", ".join(k for k in content if not k.startswith("_"))
+        refuse_beyond(f"{path.name} has {(size := path.stat().st_size)} bytes", 8 * size)
+        data = stream.read()
+    if data.startswith(b"MATLAB 7.3"):
         raise text.problem(
-            "missing-column", f"there is no variable particle, but {names or 'none'}"
+            "damaged", "the file is of MATLAB 7.3 (HDF5): save it with '-v7' in MATLAB"
         )
-    particles = np.atleast_1d(content["particle"]).ravel().tolist()
+    try:
+        particles = structures(data, "particle")
+    except Broken as error:
+        raise text.problem("cut-short", f"the file is cut off or damaged: {error}") from None
     if not particles:
         raise text.problem("no-grains", "there is no particle", None, 0)
-    return list(particles)
+    return particles
 
 
-def _number(particle: Any, name: str, k: int, text: Text) -> float:
+def _number(particle: dict[str, Floats], name: str, k: int, text: Text) -> float:
     value = _values(particle, name, k, text)
     if value.size != 1:
         raise text.problem("damaged", f"particle {k + 1} has {value.size} numbers {name}", k)
     return float(value[0])
 
 
-def _values(particle: Any, name: str, k: int, text: Text) -> Floats:
-    if not hasattr(particle, name):
-        raise text.problem("missing-column", f"particle {k + 1} has no field {name}", k)
-    try:
-        value = np.atleast_1d(np.asarray(getattr(particle, name)))
-        value = np.real(value).astype(float).ravel()
-    except (TypeError, ValueError):
-        raise text.problem("no-number", f"{name} of particle {k + 1} is no number", k) from None
-    if not (np.abs(value) <= LARGEST).all():
+def _values(particle: dict[str, Floats], name: str, k: int, text: Text) -> Floats:
+    if name not in particle:
+        raise text.problem("missing-column", f"particle {k + 1} has no numbers {name}", k)
+    if not (np.abs(particle[name]) <= LARGEST).all():
         raise text.problem("not-finite", f"{name} of particle {k + 1} is not finite", k)
-    return value
+    return particle[name]
 
 
-def _contacts(particle: Any, k: int, text: Text) -> list[tuple[float, ...]]:
+def _contacts(particle: dict[str, Floats], k: int, text: Text) -> list[tuple[float, ...]]:
     """(number of the neighbour, force, α, β) of each contact; () before diskSolve."""
     columns = [
         _values(particle, name, k, text) for name in ("neighbours", "forces", "alphas", "betas")
@@ -126,8 +112,10 @@ def _contacts(particle: Any, k: int, text: Text) -> list[tuple[float, ...]]:
         return []
     if len({c.size for c in columns}) > 1:
         raise text.problem(
-            "damaged", f"particle {k + 1} has {columns[0].size} neighbours, {columns[1].size} forces, "
-            f"{columns[2].size} alphas and {columns[3].size} betas", k,
-        )  # fmt: skip
+            "damaged",
+            f"particle {k + 1} has {columns[0].size} neighbours, {columns[1].size} forces, "
+            f"{columns[2].size} alphas and {columns[3].size} betas",
+            k,
+        )
     columns[1] = np.abs(columns[1])
     return [tuple(map(float, row)) for row in zip(*columns, strict=True)]

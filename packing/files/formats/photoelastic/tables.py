@@ -62,16 +62,23 @@ def read(
     text = text_of(path)
     table, lines, which, notes = _of_frame(text, (5, 6), 6, frame)
     grains = Grains(
-        text, grain_ids(table[:, 0], text, lines), table[:, 1:3],
-        good_radii(table[:, 3], text, lines), lines,
-    )  # fmt: skip
+        text,
+        grain_ids(table[:, 0], text, lines),
+        table[:, 1:3],
+        good_radii(table[:, 3], text, lines),
+        lines,
+    )
     source = _contact_file(path) if contacts is None else file_path("contacts", contacts)
     if source is None:
         scale = 1.0 if metre_per_pixel is None else metre_per_pixel
         return Snapshot(
-            grains.positions * scale, grains.radii * scale, source=path.name, notes=notes,
-            length_unit="px" if metre_per_pixel is None else "m", grain_lines=lines,
-        )  # fmt: skip
+            grains.positions * scale,
+            grains.radii * scale,
+            source=path.name,
+            notes=notes,
+            length_unit="px" if metre_per_pixel is None else "m",
+            grain_lines=lines,
+        )
     found = snapshot_of(grains, _readings(text_of(source), grains.ids, which), metre_per_pixel)
     return _noted(found, notes)
 
@@ -91,9 +98,11 @@ def _of_frame(
     table = text.numbers(rows, None, ",")
     if table.shape[1] not in widths:
         raise text.problem(
-            "uneven-rows", f"rows have {table.shape[1]} entries, {' or '.join(map(str, widths))} are "
-            "known", start, table.shape[1],
-        )  # fmt: skip
+            "uneven-rows",
+            f"rows have {table.shape[1]} entries, {' or '.join(map(str, widths))} are known",
+            start,
+            table.shape[1],
+        )
     lines = np.array(rows, dtype=np.int64) + 1
     k = whole_number("frame", frame)
     if table.shape[1] != framed:
@@ -136,9 +145,12 @@ def _readings(text: Text, ids: Integers, which: float | None) -> Readings:
         table = table[:, 1:]
     if table.shape[1] != 4:
         raise text.problem(
-            "uneven-rows", f"contacts have {table.shape[1]} entries, not frame,id1,id2,f_t,f_n or "
-            "id_i,id_j,f_t,f_n", start, table.shape[1],
-        )  # fmt: skip
+            "uneven-rows",
+            f"contacts have {table.shape[1]} entries, not frame,id1,id2,f_t,f_n or "
+            "id_i,id_j,f_t,f_n",
+            start,
+            table.shape[1],
+        )
     # A wall may stand first, too.
     first_wall = table[:, 0] < 0
     table[first_wall, :2] = table[first_wall, 1::-1]

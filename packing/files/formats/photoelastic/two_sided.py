@@ -1,7 +1,7 @@
 """Contact forces that were measured from both grains: one mean, and the noise between the two.
 
-Photoelastic images give the force of a contact twice, from the fringes of either disk. With the two
-readings a and b of one force, the mean has the standard deviation  rms(a - b)/2.  Tangential
+Photoelastic images give the force of a contact twice, from the fringes of either disk. With the
+two readings a and b of one force, the mean has the standard deviation  rms(a - b)/2.  Tangential
 readings that have nothing to do with each other (a correlation below one half) measured nothing.
 """
 
@@ -51,9 +51,10 @@ def merged(
     if len(first) < len(pairs):
         e = int(np.argmax(first[again] != np.arange(len(pairs))))
         raise text.problem(
-            "listed-twice", f"the contact is there twice, first in line {lines[first[again[e]]]}",
+            "listed-twice",
+            f"the contact is there twice, first in line {lines[first[again[e]]]}",
             int(lines[e]) - 1,
-        )  # fmt: skip
+        )
     keys, contact = np.unique(np.column_stack([low, high]), axis=0, return_inverse=True)
     contact = np.reshape(contact, -1)
     readings = np.full((2, len(keys), 2), np.nan)
@@ -79,17 +80,19 @@ def _with_noise(m: Merged, readings: Floats, text: Text) -> Merged:
     follows = float(np.corrcoef(a, b)[0, 1]) if np.std(a) > 0 and np.std(b) > 0 else 0.0
     measured = abs(follows) >= _MEASURED
     words = (
-        f"{readings.shape[1]} of {len(m.pairs)} contacts were measured from both sides; the two f_n "
-        f"differ by {np.median(np.abs(differ)) / scale:.2g} ⟨f_n⟩ in the median, the two f_t have the "
-        f"correlation {follows:.2g}" + ("" if measured else ": f_t counts as not measured")
+        f"{readings.shape[1]} of {len(m.pairs)} contacts were measured from both sides; the two "
+        f"f_n differ by {np.median(np.abs(differ)) / scale:.2g} ⟨f_n⟩ in the median, the two "
+        f"f_t have the correlation {follows:.2g}"
+        + ("" if measured else ": f_t counts as not measured")
     )
     note = text.note(
-        "warning" if not measured else "information", "two-sided", words, None,
+        "warning" if not measured else "information",
+        "two-sided",
+        words,
+        None,
         float(np.median(np.abs(differ)) / scale),
-    )  # fmt: skip
+    )
     found: dict[str, Any] = {"normal_forces": noise} if noise > 0 else {}
     if measured:
         found["tangential_forces"] = float(np.sqrt(np.mean((a - np.sign(follows) * b) ** 2))) / 2
-    return Merged(
-        m.pairs, m.normal, m.tangential if measured else None, m.lines, found, (note,)
-    )  # fmt: skip
+    return Merged(m.pairs, m.normal, m.tangential if measured else None, m.lines, found, (note,))

@@ -2,8 +2,8 @@
 
 ``# rows: 60`` says how many there are.
 
-Names of columns are compared without case, blanks, underscores and what stands in brackets, which is
-a unit: ``F_n [N]`` is ``fn`` in newtons.
+Names of columns are compared without case, blanks, underscores and what stands in brackets, which
+is a unit: ``F_n [N]`` is ``fn`` in newtons.
 """
 
 from __future__ import annotations
@@ -45,9 +45,10 @@ class Table:
         found = self.column(*synonyms)
         if found is None:
             raise self.text.problem(
-                "missing-column", f"there is no column {' or '.join(synonyms[:3])} among "
-                f"{', '.join(self.names)}", self.header,
-            )  # fmt: skip
+                "missing-column",
+                f"there is no column {' or '.join(synonyms[:3])} among {', '.join(self.names)}",
+                self.header,
+            )
         return found
 
     def unit(self, *synonyms: str) -> str:
@@ -97,9 +98,11 @@ def _refuse_other_count(text: Text, facts: Mapping[str, tuple[str, int]], rows: 
         return
     announced, line = facts["rows"]
     raise text.problem(
-        "cut-short", f"line {line + 1} announces {announced[:20]} rows, {rows} are there",
-        len(text.lines) - 1, rows,
-    )  # fmt: skip
+        "cut-short",
+        f"line {line + 1} announces {announced[:20]} rows, {rows} are there",
+        len(text.lines) - 1,
+        rows,
+    )
 
 
 def _facts(text: Text) -> tuple[dict[str, tuple[str, int]], int]:

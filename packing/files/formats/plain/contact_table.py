@@ -46,12 +46,14 @@ def contacts_of(
     at_wall = numbers[:, 1] < 0
     pairs = np.zeros(numbers.shape, dtype=np.int64)
     pairs[:, 0] = places(numbers[:, :1], ids, table.text, table.lines)[:, 0]
-    pairs[~at_wall, 1] = places(
-        numbers[~at_wall, 1:], ids, table.text, table.lines[~at_wall]
-    )[:, 0]  # fmt: skip
-    known = places(
-        -1 - numbers[at_wall, 1:], np.arange(walls), table.text, table.lines[at_wall]
-    ) if walls else _no_walls(table, at_wall)  # fmt: skip
+    pairs[~at_wall, 1] = places(numbers[~at_wall, 1:], ids, table.text, table.lines[~at_wall])[
+        :, 0
+    ]
+    known = (
+        places(-1 - numbers[at_wall, 1:], np.arange(walls), table.text, table.lines[at_wall])
+        if walls
+        else _no_walls(table, at_wall)
+    )
     pairs[at_wall, 1] = len(ids) + known[:, 0]
     images = _images(table, boundary, x, pairs)
     normal, tangential = _forces(table, boundary.branches(x, pairs, images))
@@ -72,10 +74,12 @@ def _no_walls(table: Table, at_wall: np.ndarray) -> Integers:
     if at_wall.any():
         e = int(np.argmax(at_wall))
         raise table.text.problem(
-            "missing-walls", f"{at_wall.sum()} contacts are with walls, but the grains come without "
-            "walls ('# wall 0: nx ny offset' above the names of the columns)", int(table.lines[e]) - 1,
+            "missing-walls",
+            f"{at_wall.sum()} contacts are with walls, but the grains come without "
+            "walls ('# wall 0: nx ny offset' above the names of the columns)",
+            int(table.lines[e]) - 1,
             int(at_wall.sum()),
-        )  # fmt: skip
+        )
     return np.zeros((0, 1), dtype=np.int64)
 
 
@@ -86,9 +90,12 @@ def _numbering(table: Table, numbers: Floats, ids: Integers) -> tuple[Integers, 
     count = len(ids)
     from_one = numbers.max() == count and not (numbers == 0).any()
     note = table.text.note(
-        "information", "guessed", f"grains without numbers are counted from {int(from_one)}",
-        table.header, int(from_one),
-    )  # fmt: skip
+        "information",
+        "guessed",
+        f"grains without numbers are counted from {int(from_one)}",
+        table.header,
+        int(from_one),
+    )
     return np.arange(count) + int(from_one), (note,)
 
 
@@ -107,9 +114,10 @@ def _images(table: Table, boundary: Boundary, x: Floats, pairs: Integers) -> Int
     if boundary.cell is None and whole.any():
         e = int(np.argmax(whole.any(axis=1)))
         raise table.text.problem(
-            "bad-cell", f"the contact has the image {whole[e].tolist()}, but there is no cell",
+            "bad-cell",
+            f"the contact has the image {whole[e].tolist()}, but there is no cell",
             int(table.lines[e]) - 1,
-        )  # fmt: skip
+        )
     return whole
 
 

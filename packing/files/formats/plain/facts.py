@@ -28,15 +28,17 @@ def numbers_of(table: Table) -> dict[str, float]:
         least = 1e-140 if name in _POSITIVE else 0.0
         if not least <= value[0] <= 1e140:
             raise table.text.problem(
-                "damaged", f"{name} = {value[0]:g} is {'not positive' if least else 'negative'}",
-                table.facts[name][1], value[0],
-            )  # fmt: skip
+                "damaged",
+                f"{name} = {value[0]:g} is {'not positive' if least else 'negative'}",
+                table.facts[name][1],
+                value[0],
+            )
         found[name] = value[0]
     return found
 
 
 def law_of(table: Table, numbers: dict[str, float]) -> ContactLaw | None:
-    """The contact law, if it is named: ``linear`` with the stiffness, ``hertz κ ν`` with its own."""
+    """The contact law, if it is named: ``linear`` with the stiffness, ``hertz κ ν`` alone."""
     if "law" not in table.facts:
         return None
     words, line = table.facts["law"]

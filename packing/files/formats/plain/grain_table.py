@@ -64,33 +64,52 @@ def snapshot_of(table: Table, other: Path | None) -> Snapshot:
     text = table.text
     if table.column(*FIRST) is not None and table.column(*X) is None:
         raise text.problem(
-            "missing-file", "these are contacts: give the table of the grains, and this one as "
-            "contacts=", table.header,
-        )  # fmt: skip
+            "missing-file",
+            "these are contacts: give the table of the grains, and this one as contacts=",
+            table.header,
+        )
     x = np.column_stack([table.needed(*X), table.needed(*Y)])
     if not len(x):
         raise text.problem("no-grains", "the table has no grain", table.header, 0)
     _refuse_height(table, x)
     ids = _ids(table, len(x))
-    numbers = facts.numbers_of(table)
+    numbers: dict[str, Any] = {**facts.numbers_of(table)}
     cell, walls = facts.cell_of(table), facts.walls_of(table, table.column("glued"))
     forces: dict[str, Any] = {"notes": ()}
     if other is not None:
         found = contacts_of(
-            table_of(text_of(other)), x, ids, boundary_of(cell, walls),
+            table_of(text_of(other)),
+            x,
+            ids,
+            boundary_of(cell, walls),
             0 if walls is None else len(walls),
-        )  # fmt: skip
+        )
         rows = found.rows
         forces = {
-            "pairs": rows.pairs, "images": rows.images, "normals": rows.normals, "normal_forces": rows.normal,
-            "tangential_forces": rows.tangential, "contact_lines": rows.lines,
-            "contact_source": other.name, "notes": found.notes, "uncertainty": found.uncertainty,
-        }  # fmt: skip
+            "pairs": rows.pairs,
+            "images": rows.images,
+            "normals": rows.normals,
+            "normal_forces": rows.normal,
+            "tangential_forces": rows.tangential,
+            "contact_lines": rows.lines,
+            "contact_source": other.name,
+            "notes": found.notes,
+            "uncertainty": found.uncertainty,
+        }
     return Snapshot(
-        x, _radii(table), cell, external=_loads(table), walls=walls,
-        law=facts.law_of(table, numbers), masses=table.column(*MASS), length_unit=table.unit(*X),
-        source=text.path.name, grain_lines=table.lines, **numbers, **forces,
-    )  # fmt: skip
+        x,
+        _radii(table),
+        cell,
+        external=_loads(table),
+        walls=walls,
+        law=facts.law_of(table, numbers),
+        masses=table.column(*MASS),
+        length_unit=table.unit(*X),
+        source=text.path.name,
+        grain_lines=table.lines,
+        **numbers,
+        **forces,
+    )
 
 
 def _ids(table: Table, count: int) -> Integers:
@@ -124,6 +143,9 @@ def _refuse_height(table: Table, x: Floats) -> None:
     size = float(np.ptp(x)) / len(x) if radii is None else float(radii.mean())
     if np.ptp(z) > 1e-6 * size:
         raise table.text.problem(
-            "three-dimensional", f"the grains lie between z = {z.min():.6g} and {z.max():.6g}: this "
-            "is a packing in three dimensions", int(table.lines[0]) - 1, float(np.ptp(z)),
-        )  # fmt: skip
+            "three-dimensional",
+            f"the grains lie between z = {z.min():.6g} and {z.max():.6g}: this "
+            "is a packing in three dimensions",
+            int(table.lines[0]) - 1,
+            float(np.ptp(z)),
+        )
