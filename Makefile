@@ -59,6 +59,7 @@ fuzz: .venv-test/ready
 
 nightly: .venv-test/ready fuzz mutation
 	$(TEST) -m tests.fuzz.files --inputs $(INPUTS)
+	$(TEST) -m tests.fuzz.readers --inputs $(INPUTS)
 	$(TEST) -m tests.fuzz.api --inputs $(INPUTS)
 	$(TEST) -m pytest -m nightly tests
 

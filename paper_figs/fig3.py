@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from paper_figs.periodic import Cell, Window
+from packing_forces.drawing.window import Cell, Window
 from paper_figs.style import new_figure
 from studies.one_packing.force_chains import RATIOS
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from paper_figs.periodic import Cell, Window
+from packing_forces.drawing.window import Cell, Window
 from paper_figs.style import wide_figure
 
 TABLES = ("fig6", "grains")

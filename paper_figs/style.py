@@ -16,15 +16,10 @@ from matplotlib.figure import Figure
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-#: Told apart by the colour-blind too (Okabe and Ito).
-PALETTE = (
-    "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#999999", "#000000",
-)  # fmt: skip
-COLOURS = {
-    "gppsz": "#D55E00", "balanced": "#E69F00", "direct": "#999999",
-    "optimal": "#0072B2", "bounded": "#009E73",
-}  # fmt: skip
-"""Of the estimators, in every figure."""
+from packing_forces.drawing.colours import COLOURS, PALETTE
+
+__all__ = ["COLOURS", "PALETTE", "colour", "new_figure", "power_of_ten", "wide_figure", "write"]
+
 COLUMN = 3.4  # inches, the width of one journal column
 DPI = 300
 PALETTE_OF_PNG: dict[str, Any] = {

@@ -47,6 +47,12 @@ continuation  packings continued by Newton's method against integrated ones
 rounding      coordinates with few digits lie on the collapse
 floor         the error left without noise, naive and compensated arithmetic
 
+Of docs/real_data.md, from packings of other groups in the folder that PACKING_DATA names; skipped
+without it:
+
+foreign       a frictional packing of another group beside three of ours, noise from 0.1 to 30 Δ
+photoelastic  what gaps and balance say of the forces in photoelastic disks
+
 Those that print a table line by line (laws to ratio, stress, anisotropy, coverage, stiffness) are
 the same in both editions.
 """

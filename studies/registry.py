@@ -17,7 +17,7 @@ import numpy as np
 from dem import Packing, Scene
 from studies import million_grains, of_figures
 from studies.estimators import bound, coverage, ladder, prior, ridge, sensitivity, stress
-from studies.experiment import floor, rounding, sandpile, stiffness
+from studies.experiment import floor, foreign, photoelastic, rounding, sandpile, stiffness
 from studies.of_figures import Study
 from studies.packing_store import DELTAS, SEED, make
 from studies.packings import (
@@ -32,6 +32,7 @@ from studies.packings import (
 )
 from studies.prefactors import finite_size, laws, measures, prefactor
 from studies.run import Run
+from studies.third_party import folder
 
 
 def _lines(name: str, lines: Callable[[], Iterator[str]]) -> Study:
@@ -47,6 +48,18 @@ def _sampled(name: str, module: ModuleType, **facts: object) -> Study:
         table = module.compute(grains, packings)
         run.keep(name, module.text(table))
         run.write(name, table, grains=grains, packings=packings, **facts)
+
+    return part
+
+
+def _of_others(name: str, lines: Callable[[], Iterator[str]]) -> Study:
+    """One of packings of other groups; skipped by name where they are not at hand."""
+
+    def part(run: Run) -> None:
+        if folder() is None:
+            run.report(f"{name}: skipped, PACKING_DATA names no folder with packings of others")
+        else:
+            run.keep(name, lines())
 
     return part
 
@@ -152,6 +165,8 @@ STUDIES: dict[str, Study] = {
     "prior": _sampled("prior", prior, noise_seed=SEED),
     "coverage": _lines("coverage", coverage.lines),
     "stiffness": _lines("stiffness", stiffness.lines),
+    "foreign": _of_others("foreign", foreign.lines),
+    "photoelastic": _of_others("photoelastic", photoelastic.lines),
     "million_grains": _million,
     "dem_trade": _settings, "same_packing": _resting, "same_statistics": _ensembles,
     "hertz": _spheres, "between_walls": _walls, "sandpile": _sand,

@@ -18,6 +18,7 @@ MODULES = (
     "dem",
     "packing.boundary",
     "packing.contact_law",
+    "packing_forces",
     "scaling",
     "scaling.estimators",
     "scaling.symbolic",

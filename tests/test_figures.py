@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from benchmarks.__main__ import PARTS
+from packing_forces.drawing.window import Cell, Window
 from paper_figs import __main__ as figures
-from paper_figs.periodic import Cell, Window
 from scaling import (
     ContactNetwork,
     amplification_of,

@@ -20,8 +20,12 @@ PLAN = (
     "packing.contacts",
     "packing.boundary",
     "packing.contact_law",
+    "packing.note",
     "packing.files",
+    "packing.files.formats",
     "packing",
+    "packing.reading",
+    "packing.writing",
     "dem.model",
     "dem.motion.kernels",
     "dem.motion",
@@ -45,7 +49,14 @@ PLAN = (
     "scaling.symbolic",
     "studies",
     "benchmarks",
+    "packing_forces.answers",
+    "packing_forces.drawing",
     "paper_figs",
+    "packing_forces.known",
+    "packing_forces.judging",
+    "packing_forces.page",
+    "packing_forces.verbs",
+    "packing_forces",
 )
 """Low to high; folders that are not named belong to the room of the folder that they lie in."""
 STRANGERS = (("dem", "scaling"), ("scaling", "dem"))

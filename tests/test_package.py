@@ -19,7 +19,7 @@ import scaling
 from tests.lowest import declared, pinned
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("scaling", "dem", "packing")
+PACKAGES = ("scaling", "dem", "packing", "packing_forces", "studies", "paper_figs")
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +67,28 @@ def test_the_wheel_does_what_the_readme_says(wheel, tmp_path):
     found = subprocess.run([sys.executable, "-c", where], capture_output=True, text=True, **run)
     assert all(path.startswith(str(site)) for path in found.stdout.split())
     subprocess.run([sys.executable, "-P", ROOT / "tests" / "readme_lines.py"], **run)
+
+
+@pytest.mark.parametrize("words", [["--help"], ["need"], ["prepare", "p.npz", "--grains", "40"]])
+def test_verbs_work_from_the_wheel(wheel, tmp_path, words):
+    """By the script that the wheel installs, in an empty folder; what is written lies there."""
+    site = tmp_path / "site"
+    install = [sys.executable, "-m", "pip", "install", "--no-deps", "--quiet", "--target", site]
+    subprocess.run([*install, wheel], check=True)
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    run = {"cwd": empty, "env": os.environ | {"PYTHONPATH": str(site)}, "check": True}
+    script = site / "bin" / "packing-forces"
+    found = subprocess.run([script, *words], capture_output=True, text=True, **run)
+    assert found.stdout
+    if words[0] == "prepare":
+        where = ["-P", "-c", "import packing_forces; print(packing_forces.__file__)"]
+        place = subprocess.run([sys.executable, *where], capture_output=True, text=True, **run)
+        assert place.stdout.startswith(str(site))
+        for verb in ("read", "check", "forces", "report"):
+            subprocess.run([script, verb, "p.npz"], capture_output=True, **run)
+        made = {p.name for p in empty.iterdir()}
+        assert made == {"p.npz", "p-forces.csv", "p-report.html"}
 
 
 def test_packages_know_their_version():

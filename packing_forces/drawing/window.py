@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.patches import Circle
+
+from packing_forces.drawing.copies import copies_within
 
 
 @dataclass(frozen=True)
@@ -32,37 +34,31 @@ class Window:
     """A square of side ``width`` about ``centre``, both in ⟨σ⟩, no wider than the cell."""
 
     cell: Cell
-    centre: Sequence[float]
+    centre: Sequence[float] | np.ndarray
     width: float
 
     def copies(self, points: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
         """Indices ``(m,)`` and places ``(m, 2)`` of all copies within ``margin`` of the window."""
-        sides = self.cell.sides
         low = np.asarray(self.centre) - self.width / 2
-        base = points - np.floor((points - low) / sides) * sides
-        found = [base + np.array(shift) * sides for shift in product((-1, 0, 1), repeat=2)]
-        places = np.concatenate(found)
-        inside = np.all((places > low - margin) & (places < low + self.width + margin), axis=1)
-        return np.tile(np.arange(len(points)), len(found))[inside], places[inside]
+        lattice = np.diag(self.cell.sides)
+        return copies_within(points, lattice, low - margin, low + self.width + margin)
 
-    def grains(self, axes: Axes, colours: np.ndarray | None = None, **style: object) -> None:
+    def grains(self, axes: Axes, colours: np.ndarray | None = None, **style: Any) -> None:
         """Draw the grains, coloured by one number each if ``colours`` are given."""
         radii = self.cell.radii
         index, places = self.copies(self.cell.positions, float(radii.max()))
-        discs = [Circle(x, radii[k]) for k, x in zip(index, places, strict=True)]
         if colours is not None:
             style["array"] = colours[index]
-        axes.add_collection(PatchCollection(discs, linewidth=0.3, **style))
+        axes.add_collection(discs(places, radii[index], **style))
 
     def contacts(
-        self, axes: Axes, starts: np.ndarray, ends: np.ndarray, **style: object
+        self, axes: Axes, starts: np.ndarray, ends: np.ndarray, **style: Any
     ) -> LineCollection:
         """Draw contacts as lines; arrays in ``style`` hold one value a contact."""
         branch = ends - starts
         index, places = self.copies(starts, float(np.abs(branch).max()))
         mine = {k: v[index] if isinstance(v, np.ndarray) else v for k, v in style.items()}
-        segments = np.stack([places, places + branch[index]], axis=1)
-        lines = LineCollection(segments, capstyle="round", **mine)
+        lines = segments(places, branch[index], **mine)
         axes.add_collection(lines)
         return lines
 
@@ -72,3 +68,15 @@ class Window:
         axes.set(aspect="equal", xticks=[], yticks=[])
         axes.set_xlim(self.centre[0] - half, self.centre[0] + half)
         axes.set_ylim(self.centre[1] - half, self.centre[1] + half)
+
+
+def discs(places: np.ndarray, radii: np.ndarray, **style: Any) -> PatchCollection:
+    """Grains as circles."""
+    circles = [Circle((x[0], x[1]), R) for x, R in zip(places, radii, strict=True)]
+    return PatchCollection(circles, linewidth=0.3, **style)
+
+
+def segments(places: np.ndarray, branches: np.ndarray, **style: Any) -> LineCollection:
+    """Contacts as lines from ``places`` along ``branches``, both (c, 2)."""
+    ends = np.stack([places, places + branches], axis=1)
+    return LineCollection(list(ends), capstyle="round", **style)

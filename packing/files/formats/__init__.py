@@ -1,0 +1,1 @@
+"""File formats of other codes and laboratories: one module each, and the table of them."""

@@ -1,0 +1,1 @@
+"""Files of LAMMPS and LIGGGHTS: dumps of atoms and of contacts, data files."""

@@ -1,0 +1,97 @@
+"""Contacts of a LAMMPS `dump local`, as rows of contacts with f_n and f_t.
+
+With F the force on the first grain and n from it to the second,  f_n = -F·n ,  f_t = F·t .
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from packing.arguments.arrays import Floats, Integers
+from packing.boundary import boundary_of
+from packing.files.contact_rows import ContactRows, places
+from packing.files.formats.lammps.atoms import Atoms
+from packing.files.formats.lammps.contact_columns import (
+    Columns,
+    guess_note,
+    guessed_ids,
+    guessed_vectors,
+    told_columns,
+)
+from packing.files.formats.lammps.frames import Frame
+from packing.note import Note
+
+
+def contact_rows(
+    frame: Frame, atoms: Atoms, cell: Floats | None, columns: Mapping[str, object] | None
+) -> tuple[ContactRows, tuple[Note, ...]]:
+    """The contacts of the frame, between the grains of `atoms`, and what was guessed."""
+    table = frame.values()
+    told = None if columns is None else told_columns(frame, columns)
+    ids = told.ids if told else guessed_ids(frame, table, atoms.ids)
+    pairs = places(table[:, list(ids)], atoms.ids, frame.text, frame.lines)
+    boundary = boundary_of(cell)
+    images = boundary.nearest_images(atoms.positions, pairs)
+    d = boundary.branches(atoms.positions, pairs, images)
+    r = np.hypot(*d.T)
+    if (r == 0).any():
+        e = int(np.argmax(r == 0))
+        raise frame.text.problem(
+            "damaged",
+            f"the grains {table[e, ids[0]]:.0f} and {table[e, ids[1]]:.0f} lie at one point",
+            int(frame.lines[e]) - 1,
+        )
+    found = told or Columns(ids, guessed_vectors(frame, table, d, ids) if len(table) else {})
+    normal, tangential, notes = _forces(frame, table, d / r[:, None], found)
+    if told is None:
+        notes = (guess_note(frame, found), *notes)
+    return ContactRows(pairs, images, normal, tangential, frame.lines), notes
+
+
+def _forces(
+    frame: Frame, table: Floats, n: Floats, columns: Columns
+) -> tuple[Floats | None, Floats | None, tuple[Note, ...]]:
+    """f_n, f_t and a note, if the forces listed act on the second grain."""
+    at = columns.vectors
+    first = at.get("normal", at.get("force"))
+    if first is None:
+        return None, None, ()
+    t = np.column_stack([-n[:, 1], n[:, 0]])
+    normal = -np.sum(table[:, first] * n, axis=1)
+    other = at.get("tangential", at.get("force"))
+    tangential = None if other is None else np.sum(table[:, other] * t, axis=1)
+    if not np.sum(normal) < 0:
+        return normal, tangential, ()
+    note = frame.text.note(
+        "information",
+        "guessed",
+        "the forces listed act on the second grain of a contact: taken so, contacts push",
+        frame.start - 1,
+    )
+    return -normal, None if tangential is None else -tangential, (note,)
+
+
+def with_walls(
+    rows: ContactRows,
+    grain: Integers,
+    wall: Integers,
+    normal: Floats,
+    tangential: Floats,
+    count: int,
+    lines: Integers,
+) -> ContactRows:
+    """The rows and, behind them, contacts of grains with walls."""
+    if rows.normal is None:
+        return rows
+    own = rows.tangential if rows.tangential is not None else np.zeros(len(rows.pairs))
+    return replace(
+        rows,
+        pairs=np.concatenate([rows.pairs, np.column_stack([grain, count + wall])]),
+        images=np.concatenate([rows.images, np.zeros((len(grain), 2), dtype=np.int64)]),
+        normal=np.concatenate([rows.normal, normal]),
+        tangential=np.concatenate([own, tangential]),
+        lines=np.concatenate([rows.lines, lines[grain]]),
+    )

@@ -1,0 +1,1 @@
+"""Files of photoelastic experiments: PeGS tables, its solved particles, RigidLibrary's exports."""

@@ -1,0 +1,62 @@
+"""How exactly lengths must be known before forces can be: ξ = E Δ/C.
+
+    Δ = (p/κ)^(2/3) ,  κ = E*/3 ,  E* = E/(1 - ν²)       elastic spheres (Hertz)
+    Δ = p/E*                                              linear contacts of stiffness E* d
+
+p is the pressure, E Young's modulus, ν Poisson's ratio. C of each method from packings of 1000
+grains, μ = 0.3 (docs/estimators.md): noise on the diameters with exact directions, or on
+positions. It rises with the number of contacts, so the value for Δ >= 1e-2 is taken where that is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+#: C of E = C ξ/Δ at Δ = 1e-2, 1e-4, 1e-6.
+PREFACTORS = {
+    "diameter": {
+        "gppsz": (0.44, 0.34, 0.32), "balanced": (0.40, 0.26, 0.23),
+        "direct": (0.54, 0.42, 0.40), "optimal": (0.025, 0.020, 0.019),
+    },
+    "position": {
+        "gppsz": (0.87, 0.57, 0.53), "balanced": (0.71, 0.33, 0.28),
+        "direct": (1.2, 0.93, 0.89), "optimal": (0.56, 0.23, 0.18),
+    },
+}  # fmt: skip
+#: E of ``bounded`` without any length, at the same Δ, and of the guess that all forces are equal.
+BOUNDED_BLIND = (0.34, 0.234, 0.19)
+FLAT_GUESS = 0.49
+
+
+@dataclass(frozen=True)
+class Need:
+    """Δ, and per noise and method the ξ that gives the error asked for, in mean diameters."""
+
+    delta: float
+    error: float
+    precision: dict[str, dict[str, float]]
+    blind: float
+
+
+def delta_of(modulus: float, poisson: float, pressure: float, law: str) -> float:
+    """Δ of a material under a pressure; ValueError: ν outside (-1, 0.5], or a Δ of no contact."""
+    if not -1 < poisson <= 0.5:
+        raise ValueError(f"poisson = {poisson:g} is outside (-1, 0.5]")
+    plane = modulus / (1 - poisson**2)
+    delta = pressure / plane if law == "linear" else (3 * pressure / plane) ** (2 / 3)
+    if delta > 0.2:
+        raise ValueError(
+            f"pressure = {pressure:g} Pa squeezes grains of {modulus:g} Pa by {delta:.2g} "
+            "diameters: no contact of two disks any more"
+        )
+    return delta
+
+
+def need(delta: float, error: float) -> Need:
+    """What precision gives this error."""
+    place = 0 if delta >= 3e-3 else 1 if delta >= 3e-6 else 2
+    precision = {
+        noise: {method: error * delta / c[place] for method, c in by.items()}
+        for noise, by in PREFACTORS.items()
+    }
+    return Need(delta, error, precision, BOUNDED_BLIND[place])

@@ -1,0 +1,1 @@
+"""What a file tells of a packing: network, law, loads, forces, and how exactly."""

@@ -1,0 +1,87 @@
+"""``packing-forces read``: any format to npz, with what was understood."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+
+from packing.boundary.walls import PREFIX
+from packing.measurement import Measurement
+from packing.record import Packing
+from packing_forces.answers.answer import Answer
+from packing_forces.known.loading import loaded
+
+ARRAYS = (
+    "positions", "radii", "cell", "pairs", "images", "normals", "normal_forces",
+    "tangential_forces", "external",
+)  # fmt: skip
+NUMBERS = ("stiffness", "pressure", "friction")
+
+
+def answer(options: Namespace) -> Answer:
+    """Read, say, write."""
+    data, said = loaded(options.file, options)
+    out = Path(options.out or f"{Path(options.file).name.partition('.')[0]}.npz")
+    if out.resolve() == Path(options.file).resolve():
+        written = "nothing to write: the file is an npz"
+    elif isinstance(data, Packing):
+        data.save(out)
+        written = f"written to {out}"
+    else:
+        written = _write_measurement(data, out)
+    lines = [f"{Path(options.file).name}: {_kind(data)}"]
+    lines += [f"  {line}" for line in _held(data)]
+    lines += [f"  {note.severity}: {note}" for note in said]
+    facts = {
+        "file": options.file, "kind": type(data).__name__.lower(), "grains": len(data.positions),
+        "contacts": 0 if data.pairs is None else len(data.pairs),
+        "known": _known(data), "out": None if written.startswith("nothing") else str(out),
+        "notes": [note.plain() for note in said],
+    }  # fmt: skip
+    return Answer((*lines, written), facts)
+
+
+def _kind(data: Packing | Measurement) -> str:
+    if isinstance(data, Packing):
+        return "a packing at rest: forces are known and balance"
+    form = f", {data.format}" if data.format else ""
+    return f"a measurement{form}: what is missing, or does not balance, is said below"
+
+
+def _known(data: Packing | Measurement) -> list[str]:
+    names = (*ARRAYS, *NUMBERS, "walls")
+    return [name for name in names if getattr(data, name, None) is not None]
+
+
+def _held(data: Packing | Measurement) -> list[str]:
+    contacts = "no contacts" if data.pairs is None else f"{len(data.pairs)} contacts"
+    cell = "open" if data.cell is None else "periodic"
+    lines = [f"{len(data.positions)} grains, {contacts}, {cell}"]
+    numbers = [f"{n} = {getattr(data, n):.6g}" for n in NUMBERS if getattr(data, n) is not None]
+    if numbers:
+        lines.append(", ".join(numbers))
+    lines.append("known: " + ", ".join(_known(data)))
+    missing = [n for n in (*ARRAYS, *NUMBERS) if n not in _known(data)]
+    if missing:
+        lines.append("not known: " + ", ".join(missing))
+    if isinstance(data, Measurement):
+        units = [data.length_unit or "?", data.force_unit or "?"]
+        lines.append(f"units: lengths in {units[0]}, forces in {units[1]}")
+        known = {f.name: getattr(data.uncertainty, f.name) for f in fields(data.uncertainty)}
+        told = [f"{k} {np.mean(v):.3g}" for k, v in known.items() if v is not None]
+        lines.append("uncertainties: " + (", ".join(told) or "none"))
+    return lines
+
+
+def _write_measurement(data: Measurement, out: Path) -> str:
+    """Its arrays by name; what is not known is not there."""
+    held = {n: getattr(data, n) for n in (*ARRAYS, *NUMBERS) if getattr(data, n) is not None}
+    if data.walls is not None:
+        held |= {
+            k if k.startswith(PREFIX) else PREFIX + k: v for k, v in data.walls.arrays().items()
+        }
+    np.savez(out, **held)
+    return f"written to {out}: plain arrays by name, as no packing at rest is in it"
