@@ -29,6 +29,7 @@ from studies.packings import (
     ramps,
     same_packing,
     same_statistics,
+    silo,
 )
 from studies.prefactors import finite_size, laws, measures, prefactor
 from studies.run import Run
@@ -117,6 +118,13 @@ def _walls(run: Run) -> None:
     run.write("between_walls", table, grains=grains, packings=packings)
 
 
+def _silo(run: Run) -> None:
+    grains, packings = (400, 16) if run.full else (200, 4)
+    table = silo.compute(grains, packings)
+    run.keep("silo", silo.text(table))
+    run.write("silo", table, packings=packings, **silo.facts())
+
+
 def _pressures(run: Run) -> None:
     with run.pool() as pool:
         table = ramps.compute(pool, 1000 if run.full else 300, range(1, 9))
@@ -169,7 +177,7 @@ STUDIES: dict[str, Study] = {
     "photoelastic": _of_others("photoelastic", photoelastic.lines),
     "million_grains": _million,
     "dem_trade": _settings, "same_packing": _resting, "same_statistics": _ensembles,
-    "hertz": _spheres, "between_walls": _walls, "sandpile": _sand,
+    "hertz": _spheres, "between_walls": _walls, "sandpile": _sand, "silo": _silo,
     "ramps": _pressures, "ramp_rates": _paces,
     "continuation": _continued, "rounding": _rounded, "floor": _no_noise,
 }  # fmt: skip
