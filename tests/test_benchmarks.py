@@ -13,6 +13,7 @@ import pytest
 
 from benchmarks import __main__ as bench
 from benchmarks import relaxation, size, solvers
+from benchmarks.other_codes import lammps_wall_step, lammps_walls
 from dem import refine, relax
 from paper_figs import __main__ as figures
 from scaling import force_equation, reconstruct, relative_error, tiled, tiled_forces
@@ -184,3 +185,30 @@ def test_a_run_says_its_table_line_by_line(tmp_path, capsys):
     run.keep("table", iter(["| a |", "|---|"]))
     assert (tmp_path / "table.md").read_text() == "| a |\n|---|\n"
     assert "| a |\n|---|\n" in capsys.readouterr().out
+
+
+def test_lammps_comes_to_the_same_packing_between_walls():
+    """Without friction to round-off, wall forces among them; a tenth more weight is noticed."""
+    try:
+        assert pytest.importorskip("lammps").lammps
+    except OSError as missing:
+        pytest.skip(f"LAMMPS cannot be loaded: {missing}")
+    scene = replace(lammps_walls.scenes(20)["box, weight"], friction=0.0)
+    at = lammps_walls.held(scene)
+    mine = lammps_walls.here(at)
+    assert sum(j >= 20 for _, j in mine) > 5
+    normal, tangential, alone = lammps_walls.apart(mine, lammps_walls.there(at))
+    assert (normal < 1e-9, tangential, alone) == (True, 0.0, 0)
+    heavier = lammps_walls.apart(mine, lammps_walls.there(at, lammps_walls.HEAVIER))
+    assert heavier[0] > 1e-2
+
+
+def test_steps_between_walls_are_timed_with_and_without_them(monkeypatch):
+    """The scenes bear what they are said to, and the still one does not move. No times."""
+    monkeypatch.setattr(lammps_wall_step, "STEPS", 3)
+    at = lammps_walls.held(lammps_walls.scenes(20)["box, weight, Hertz"])
+    for kind in ("all", "still", "bare", "linear"):
+        assert lammps_wall_step.ours(at, "numpy", kind)() > 0
+    rows = [{"scene": "walls", "code": "numpy", "contacts": 5, "feet": 2,
+             "us": np.ones(3), "LAMMPS": np.ones(3), "outside": 2 * np.ones(3)}]  # fmt: skip
+    assert "| walls | numpy | 5 | 2 | 1.0 | 1.00 | 2.00 |  |" in lammps_wall_step.text(rows)

@@ -11,7 +11,45 @@ EXTENDED = ("tests/dem/protocols/test_stiffen.py",)
 RATTLERS = ("tests/packing/contacts/test_rattlers.py",)
 PACKING = ("tests/packing/test_record.py",)
 
+WALLS = ("tests/dem/motion/test_walls.py",)
+BETWEEN = ("tests/dem/protocols/test_between_walls.py",)
+
 DEM = (
+    Mutation(
+        "walls: friction turns the grain the other way",
+        "dem/motion/kernels/outside.py",
+        "twist[g[some]] += tangential[some]",
+        "twist[g[some]] -= tangential[some]",
+        WALLS,
+    ),
+    Mutation(
+        "walls: a corner pushes once",
+        "dem/motion/kernels/outside.py",
+        "for k in range(int(rank.max(initial=-1)) + 1)]",
+        "for k in range(min(int(rank.max(initial=-1)) + 1, 1))]",
+        (*WALLS, *BETWEEN),
+    ),
+    Mutation(
+        "walls: weight missing from the forces handed on",
+        "dem/motion/kernels/outside_loop.py",
+        "pull[g] += weight[g]",
+        "pull[g] += 0.0 * weight[g]",
+        (*WALLS, *BETWEEN),
+    ),
+    Mutation(
+        "walls: compiled grains fall upwards",
+        "dem/motion/kernels/outside_loop.py",
+        "fall = complex(0.0, -gain * o[19])",
+        "fall = complex(0.0, gain * o[19])",
+        WALLS,
+    ),
+    Mutation(
+        "walls: springs in another order than their contacts",
+        "dem/model/neighbour_list.py",
+        "return History(*(each[order] for each in all_))",
+        "return History(all_[0][order], all_[1][order], all_[2])",
+        WALLS,
+    ),
     Mutation(
         "stable step: softer spring for stiffer",
         "dem/model/law.py",

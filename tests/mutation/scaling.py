@@ -12,6 +12,9 @@ LOOPS = ("tests/scaling/geometry/topology/test_loops.py",)
 WINDINGS = ("tests/scaling/geometry/topology/test_shortest_windings.py",)
 STRESS = ("tests/scaling/observables/test_stress_and_error.py",)
 
+WALLS = ("tests/scaling/equation/test_walls.py",)
+LISTS = ("tests/packing/contacts/test_contact_search.py",)
+
 SCALING = (
     Mutation(
         "noise of diameters on radii",
@@ -309,5 +312,33 @@ SCALING = (
         "cost(found) - free",
         "free - cost(found)",
         ("tests/scaling/estimators/told/test_unknown.py",),
+    ),
+    Mutation(
+        "walls: pairs close along the wall",
+        "scaling/geometry/topology/ways.py",
+        'found.add("wall", contacts, signs, n)',
+        'found.add("wall", contacts, signs, np.array([-n[1], n[0]]))',
+        WALLS,
+    ),
+    Mutation(
+        "walls: a load that pulls",
+        "scaling/equation/balance.py",
+        "columns.append(network.walls.loads[self.walls])",
+        "columns.append(-network.walls.loads[self.walls])",
+        WALLS,
+    ),
+    Mutation(
+        "contact list: across the walls",
+        "packing/contacts/wall_search.py",
+        "across * (size + height) / height",
+        "across",
+        LISTS,
+    ),
+    Mutation(
+        "contact list: glued grains touch each other",
+        "packing/contacts/wall_search.py",
+        "np.asarray(~np.all(glued, axis=1), dtype=bool)",
+        "np.ones(len(pairs), dtype=bool)",
+        LISTS,
     ),
 )

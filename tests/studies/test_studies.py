@@ -8,13 +8,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dem import relax
 from paper_figs.pages import floor as drawn_floor
 from paper_figs.pages import ramps as drawn_ramps
 from paper_figs.pages import rounding as drawn_rounding
 from scaling import amplification_of
 from studies.estimators import coverage, stress
 from studies.experiment import floor, rounding
-from studies.packings import dem_trade, ramps, same_packing, same_statistics
+from studies.packings import between_walls, dem_trade, ramps, same_packing, same_statistics
 from studies.prefactors import finite_size, measures
 from tests.conftest import packing
 
@@ -156,3 +157,31 @@ def test_rattlers_in_touch_are_no_contacts(monkeypatch):
     counted, borne = same_statistics.statistics(touching), same_statistics.statistics(p)
     assert counted[0] > borne[0]
     assert counted[2] > borne[2]
+
+
+def test_a_length_costs_what_it_is_told_to_precisely_and_nothing_else_does(monkeypatch):
+    """In every world: full rank, exact forces, C = O(1); a factor common to all sizes costs ~ ε
+    without a length, ε/Δ with one, and so does the spacing of the grains of a rough wall."""
+    monkeypatch.setattr(
+        between_walls,
+        "make",
+        lambda scenes, seeds: [
+            relax(scene, seed, progress=False) for scene, seed in zip(scenes, seeds, strict=True)
+        ],
+    )
+    some = ("periodic", "rough strip", "box with weight")
+    monkeypatch.setattr(between_walls, "WORLDS", {w: between_walls.WORLDS[w] for w in some})
+    table = between_walls.compute(24, 2)
+    assert not table["missing"].any()
+    assert table["exact"].max() < 1e-10
+    assert 0.15 < table["C"].min() < table["C"].max() < 1.2
+    lengths = table["world"] == "rough strip"
+    assert table["told"].min() > 0.1
+    assert table["common"][~lengths].max() < 0.01
+    assert table["common"][lengths].min() > 0.1
+    linear = table["law"] == "linear"
+    assert np.isnan(table["linear_gppsz"][linear]).all()
+    assert table["linear_gppsz"][~linear].min() > 0.03
+    assert (
+        between_walls.text(table).count("\n| rough strip |") == 3
+    )  # two laws, one read as linear

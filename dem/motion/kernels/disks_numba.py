@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import cache
 from types import FunctionType
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 from numba import njit
@@ -117,20 +118,32 @@ def _advance(  # type: ignore[no-untyped-def]
     return steps, False, scale, rate, virial
 
 
+def _stamp(*parts: Any) -> int:
+    """Of what is compiled into ``_advance``: Numba finds kept code by the file of ``_advance``
+    alone, and would not notice that another has changed."""
+    codes = (part.__code__ for part in parts)
+    return crc32(repr([(c.co_code, c.co_consts, c.co_names) for c in codes]).encode())
+
+
 @cache
 def _compiled(kept: bool, loop: Callable, confined: bool) -> dict[str, Callable]:
     """The loops compiled, with this ``loop`` over pairs, and with what acts from outside if grains
     are ``confined``; ``kept`` on disk for the next process."""
     compile_ = njit(cache=kept, error_model="numpy", fastmath={"contract"})
     o = outside_loop
-    outside: tuple[Callable, ...] = (o.act, o.kick, o.push, o.shift, o.weigh)
+    outside: tuple[Any, ...] = (o.act, o.kick, o.push, o.shift, o.weigh)
     if not confined:
         outside = (_act, _kick, _push, _shift, _weigh)
     names = ("_forces", "_act", "_kick", "_push", "_shift", "_weigh")
     parts = {k: compile_(part) for k, part in zip(names, (loop, *outside), strict=True)}
     advance = FunctionType(_advance.__code__, globals() | parts)
-    first = {"forces": parts["_forces"], "act": parts["_act"], "weigh": parts["_weigh"]}
-    return first | {"advance": compile_(advance)}
+    advance.__qualname__ += f"_{_stamp(loop, *outside):08x}"
+    return {
+        "forces": parts["_forces"],
+        "act": parts["_act"],
+        "weigh": parts["_weigh"],
+        "advance": compile_(advance),
+    }
 
 
 _keeps = True
