@@ -22,7 +22,7 @@ from packing.arguments.memory import available
 from packing.arguments.numbers import LARGEST, shown
 from packing.files.npz import naming_path
 from packing.files.problem import FileProblem
-from packing.note import Note, Severity
+from packing.note.note import Note, Severity
 
 _GZIP = b"\x1f\x8b"
 _PER_BYTE = 30

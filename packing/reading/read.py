@@ -65,7 +65,7 @@ def read(
     """
     source = file_path("path", path)
     if format is not None:
-        choice("format", format, FORMATS)
+        choice("format", format, ("npz", *table.FORMATS))
     with np.errstate(all="ignore"):
         head = head_of(source)
         name = format if format is not None else _recognised(source, head)
