@@ -37,7 +37,7 @@ class Seen:
         boundary = boundary_of(thing.cell, thing.walls)
         pairs, images = thing.pairs, thing.images
         if pairs is None:
-            pairs = np.zeros((0, 2), dtype=np.int64)
+            pairs = images = np.zeros((0, 2), dtype=np.int64)
         if images is None:
             images = boundary.nearest_images(thing.positions, pairs)
         return cls(

@@ -115,7 +115,9 @@ def _solving(line: ArgumentParser) -> None:
 
 def _forces(line: ArgumentParser) -> None:
     _solving(line)
-    line.add_argument("--out", metavar="FILE", help="default: NAME-forces.csv here")
+    line.add_argument(
+        "--out", metavar="FILE", help="CSV, or VTK by its ending; default: NAME-forces.csv here"
+    )
     line.add_argument("--picture", metavar="FILE", help="PNG, PDF or SVG of the force chains")
 
 

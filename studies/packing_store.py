@@ -13,7 +13,9 @@ import numpy as np
 from dem import Packing, Scene, Settings, relax_ensemble
 from scaling import ContactNetwork
 
-ROOT = Path(__file__).resolve().parent.parent
+_HERE = Path(__file__).resolve().parent.parent
+ROOT = _HERE if (_HERE / "pyproject.toml").exists() else Path.cwd()
+"""Of the repository; of an installed package the folder that it is run in."""
 STORE = ROOT / "build" / "packings"
 DELTAS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 SEED = 55

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 from packing.measurement import Measurement
 from packing.reading import read
@@ -41,4 +42,5 @@ def path_of(name: str) -> Path:
 def third_party(name: str) -> Packing | Measurement:
     """What the set holds."""
     path = path_of(name)
-    return read(path, **{k: path.with_name(v) for k, v in MORE.get(name, {}).items()})
+    more: dict[str, Any] = {k: path.with_name(v) for k, v in MORE.get(name, {}).items()}
+    return read(path, **more)

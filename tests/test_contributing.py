@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 from dem.model.confinement import BOUNDARIES
+from packing.files.formats.table import FORMATS
+from packing.files.problem import FileProblem
+from packing.reading import read
 from scaling import ContactNetwork, error_map, force_equation, perturb, reconstruct
 from scaling.estimators.table import ESTIMATORS
 from tests.conftest import packing
@@ -19,7 +22,7 @@ from tests.test_layers import climbing, house
 def made(monkeypatch, tmp_path):
     """The names that the examples define, run in an empty folder; the table stays as it is."""
     monkeypatch.chdir(tmp_path)
-    tables = (ESTIMATORS, BOUNDARIES)
+    tables = (ESTIMATORS, FORMATS, BOUNDARIES)
     before = [dict(table) for table in tables]
     yield run(ROOT / "CONTRIBUTING.md")
     for table, entries in zip(tables, before, strict=True):
@@ -66,15 +69,30 @@ def test_the_estimator_responds_as_it_finds(made):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"positions": []}', "radii is missing"),
-        ('{"positions": [[0.1, 0.2', "Expecting ',' delimiter"),  # cut off
-        ("", "Expecting value"),
+        ('{"positions": []}\n', r"half\.json: radii is missing"),
+        ('{"positions":\n[[0.1, 0.2\n', r"half\.json, line 2: Expecting ',' delimiter"),  # cut off
+        ('{"positions"', r"half\.json, line 1: the last line does not end"),
+        ("", r"half\.json: the file is empty"),
     ],
 )
 def test_the_format_names_the_file_that_lacks_something(made, tmp_path, text, message):
     (tmp_path / "half.json").write_text(text)
-    with pytest.raises(ValueError, match=rf"half\.json is not a whole packing: {message}"):
+    with pytest.raises(ValueError, match=message):
         made["read"](tmp_path / "half.json")
+
+
+def test_the_format_is_one_of_all(made, tmp_path):
+    """Recognised, read to the bit, and refused like the others where it is damaged."""
+    p = packing(grains=48, delta=1e-3)
+    made["write"](tmp_path / "p.json", p)
+    for options in ({}, {"format": "json"}):
+        found = read(tmp_path / "p.json", **options)
+        assert np.array_equal(found.forces, p.forces)
+        assert np.array_equal(found.cell, p.cell)
+    half = (tmp_path / "p.json").read_text().replace("pressure", "temperature")
+    (tmp_path / "p.json").write_text(half)
+    with pytest.raises(FileProblem, match="pressure is missing"):
+        read(tmp_path / "p.json")
 
 
 NEW_FILE = re.compile(
@@ -102,7 +120,7 @@ def test_a_new_file_stands_alone_in_its_room(name, tmp_path):
 def test_there_are_three_new_files():
     assert sorted(n.rpartition(".")[0] for n in new_files()) == [
         "packing.contact_law",
-        "packing.files",
+        "packing.files.formats",
         "scaling.estimators",
     ]
 
@@ -111,8 +129,8 @@ def test_a_format_that_imports_the_record_climbs(tmp_path):
     """Control: it was so once."""
     module = tmp_path / "module.py"
     module.write_text("from packing.record import Packing\n")
-    wrong = climbing(house() | {"packing.files.new": module})
-    assert wrong == ["packing.files.new imports packing.record"]
+    wrong = climbing(house() | {"packing.files.formats.new": module})
+    assert wrong == ["packing.files.formats.new imports packing.record"]
 
 
 def test_the_vice_presses_with_one_wall_alone(made):

@@ -19,7 +19,7 @@ import scaling
 from tests.lowest import declared, pinned
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("scaling", "dem", "packing", "packing_forces", "studies", "paper_figs")
+PACKAGES = ("scaling", "dem", "packing", "packing_forces", "studies", "paper_figs", "benchmarks")
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def test_wheel_declares_its_licence_and_version(wheel):
 
 
 def test_wheel_holds_every_package_and_nothing_else(wheel):
-    """Every module of the packages and their marks of being typed; no tests, no benchmarks."""
+    """Every module of the packages and their marks of being typed; no tests."""
     held = {n for n in ZipFile(wheel).namelist() if ".dist-info/" not in n}
     modules = (p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
     assert held == {p.relative_to(ROOT).as_posix() for p in modules} | {

@@ -138,6 +138,22 @@ def _differing(rows: ContactRows, e: int, o: int, values: Floats, text: Text) ->
     )
 
 
+def unit_normals(
+    branches: Floats, pairs: Integers, text: Text, lines: Sequence[int] | Integers
+) -> Floats:
+    """(c, 2) n of these branches; FileProblem: two centres at one point, with their line."""
+    r = np.hypot(*branches.T)
+    if (r == 0).any():
+        e = int(np.argmax(r == 0))
+        i, j = pairs[e].tolist()
+        raise text.problem(
+            "damaged",
+            f"grains {i} and {j} (counted from 0) touch, and lie at one point",
+            int(lines[e]) - 1,
+        )
+    return np.asarray(branches / r[:, None])
+
+
 def places(
     numbers: Floats, ids: Integers, text: Text, lines: Sequence[int] | Integers
 ) -> Integers:

@@ -10,7 +10,8 @@ import gzip
 import io
 import re
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +22,7 @@ from packing.arguments.memory import available
 from packing.arguments.numbers import LARGEST, shown
 from packing.files.npz import naming_path
 from packing.files.problem import FileProblem
-from packing.note import Note, Severity
+from packing.note.note import Note, Severity
 
 _GZIP = b"\x1f\x8b"
 _PER_BYTE = 30
@@ -165,6 +166,17 @@ def text_of(path: Path) -> Text:
     while lines and not lines[-1].strip():
         lines.pop()
     return Text(path, lines)
+
+
+@contextmanager
+def geometry(text: Text) -> Iterator[None]:
+    """What geometry refuses in the numbers of a file becomes a refusal of the file."""
+    try:
+        yield
+    except FileProblem:
+        raise
+    except ValueError as error:
+        raise text.problem("coarse-coordinates", str(error)) from error
 
 
 def head_of(path: Path, size: int = 4096) -> str:

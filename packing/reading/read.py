@@ -12,7 +12,7 @@ import numpy as np
 from packing.arguments.numbers import choice, file_path
 from packing.files.formats import table
 from packing.files.problem import FileProblem
-from packing.files.text import head_of
+from packing.files.text import Text, geometry, head_of
 from packing.measurement import Measurement
 from packing.note import Note
 from packing.reading import told
@@ -65,7 +65,7 @@ def read(
     """
     source = file_path("path", path)
     if format is not None:
-        choice("format", format, FORMATS)
+        choice("format", format, ("npz", *table.FORMATS))
     with np.errstate(all="ignore"):
         head = head_of(source)
         name = format if format is not None else _recognised(source, head)
@@ -78,7 +78,12 @@ def read(
         }
         _refuse_options(name, options, (*sorted(own), *told.OPTIONS))
         snapshot = reader(source, **{k: v for k, v in options.items() if k in own})
-        return understood(snapshot, name, {k: v for k, v in options.items() if k not in own})
+        said = {k: v for k, v in options.items() if k not in own}
+        gravity = said.get("gravity")
+        told_snapshot = told.with_told(snapshot, said)
+        g = None if gravity is None else told.told_gravity(gravity)
+        with geometry(Text(source, [])):
+            return understood(told_snapshot, name, g)
 
 
 def notes(packing: Packing | Measurement) -> tuple[Note, ...]:

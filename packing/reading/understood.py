@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from packing.arguments.arrays import Floats
 from packing.contact_law import Hertz, Linear, law_between
 from packing.diagnosis import diagnose, pixels, sizes
 from packing.files.problem import FileProblem
@@ -22,7 +23,6 @@ from packing.note import Note
 from packing.provenance import Provenance
 from packing.reading.law_found import with_law
 from packing.reading.missing_contacts import refuse_half_a_list
-from packing.reading.told import with_told
 from packing.reading.units import in_mean_diameters
 from packing.reading.weight import with_weight
 from packing.record import Packing
@@ -40,13 +40,12 @@ _REFUSALS = {
 }
 
 
-def understood(s: Snapshot, name: str, told: dict[str, Any]) -> Packing | Measurement:
+def understood(s: Snapshot, name: str, gravity: Floats | None = None) -> Packing | Measurement:
     """The packing or the measurement; FileProblem: the data contradict each other."""
-    s = with_told(s, told)
     for note in sizes(Seen.of(s)):
         raise FileProblem(_placed(note, s))
     s = with_law(s)
-    s = with_weight(s, told.get("gravity"))
+    s = with_weight(s, gravity)
     missing = _missing(s)
     if missing is None:
         s = in_mean_diameters(s)

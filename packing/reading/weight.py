@@ -8,29 +8,30 @@ or else as R².
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
+from packing.arguments.arrays import Floats
+from packing.files.problem import FileProblem
 from packing.files.snapshot import Snapshot
 from packing.note import Note
-from packing.reading.told import told_gravity
 from packing.seen import Seen
 
 _LEFT = 1e-3
 """Of the rms net force, what a guessed weight may leave."""
 
 
-def with_weight(s: Snapshot, gravity: Any = None) -> Snapshot:
+def with_weight(s: Snapshot, gravity: Floats | None = None) -> Snapshot:
     """The snapshot with the weight of its grains among its loads, told or shown by balance."""
     masses = s.masses
     if masses is None and s.radii is not None:
         masses = np.pi * s.radii**2
     if gravity is not None:
-        g = told_gravity(gravity)
         if masses is None:
-            raise ValueError(f"gravity = {gravity}: the file has neither masses nor radii")
-        return _loaded(s, masses[:, None] * g, ())
+            raise FileProblem(
+                Note("error", "no-radii", "there are neither masses nor radii to weigh", s.source)
+            )
+        return _loaded(s, masses[:, None] * gravity, ())
     if masses is None or s.normal_forces is None or s.external is not None or s.pairs is None:
         return s
     seen = Seen.of(s)

@@ -24,7 +24,7 @@ def power(value: float) -> str:
     if value == 0:
         return "0"
     if 0.01 <= abs(value) < 1000:
-        return f"{value:.2g}"
+        return f"{float(f'{value:.2g}'):g}"
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
 

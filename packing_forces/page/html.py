@@ -6,6 +6,7 @@ and wide tables that scroll by keyboard.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from html import escape as escaped
 
@@ -42,7 +43,7 @@ a{color:#005a8c}
 
 def escape(text: str) -> str:
     """As text of a page; a number and its percent sign stay on one line."""
-    return escaped(text).replace(" %", "\u00a0%")
+    return re.sub(r"(?<=\d) %", "\u00a0%", escaped(text))
 
 
 def page(title: str, parts: Iterable[str]) -> str:

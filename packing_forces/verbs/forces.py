@@ -6,7 +6,8 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
-from packing_forces.answers.answer import Answer
+from packing.writing import write as write_packing
+from packing_forces.answers.answer import Answer, Refused
 from packing_forces.judging.choice import Choice, choice
 from packing_forces.judging.found import Found, find
 from packing_forces.judging.table import write
@@ -21,7 +22,10 @@ def answer(options: Namespace) -> Answer:
     chosen = choice(case, options.method)
     found = find(case, chosen, draws=options.draws)
     out = Path(options.out or f"{_stem(options.file)}-forces.csv")
-    write(out, case, found)
+    if out.suffix == ".vtk":
+        _write_vtk(out, case, found)
+    else:
+        write(out, case, found)
     lines = [f"{case.name}: {chosen.method}: {chosen.why}", *summary(case, chosen, found)]
     lines.append(f"written to {out}")
     facts = facts_of(case) | solved(case, chosen, found) | {"out": str(out)}
@@ -30,6 +34,16 @@ def answer(options: Namespace) -> Answer:
         lines.append(f"drawn to {options.picture}")
         facts["picture"] = options.picture
     return Answer(tuple(lines), facts)
+
+
+def _write_vtk(out: Path, case: Case, found: Found) -> None:
+    """For ParaView. Refused: contacts were left out of those of the file."""
+    if case.network.contacts != len(case.data.pairs if case.data.pairs is not None else ()):
+        raise Refused(
+            f"{case.name}: {case.network.contacts} contacts bear forces, and the file lists "
+            "others too: take CSV"
+        )
+    write_packing(out, case.data, forces=found.result.forces, errors=found.half)
 
 
 def summary(case: Case, chosen: Choice, found: Found) -> list[str]:

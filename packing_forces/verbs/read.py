@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from packing.boundary.walls import PREFIX
 from packing.measurement import Measurement
 from packing.record import Packing
+from packing.writing import write
 from packing_forces.answers.answer import Answer
 from packing_forces.known.loading import loaded
 
@@ -25,20 +25,20 @@ def answer(options: Namespace) -> Answer:
     """Read, say, write."""
     data, said = loaded(options.file, options)
     out = Path(options.out or f"{Path(options.file).name.partition('.')[0]}.npz")
+    made, written = [str(out)], f"written to {out}"
     if out.resolve() == Path(options.file).resolve():
-        written = "nothing to write: the file is an npz"
+        made, written = [], "nothing to write: the file is an npz"
     elif isinstance(data, Packing):
         data.save(out)
-        written = f"written to {out}"
     else:
-        written = _write_measurement(data, out)
+        made, written = _tables(data, out)
     lines = [f"{Path(options.file).name}: {_kind(data)}"]
     lines += [f"  {line}" for line in _held(data)]
     lines += [f"  {note.severity}: {note}" for note in said]
     facts = {
         "file": options.file, "kind": type(data).__name__.lower(), "grains": len(data.positions),
         "contacts": 0 if data.pairs is None else len(data.pairs),
-        "known": _known(data), "out": None if written.startswith("nothing") else str(out),
+        "known": _known(data), "out": made,
         "notes": [note.plain() for note in said],
     }  # fmt: skip
     return Answer((*lines, written), facts)
@@ -76,12 +76,7 @@ def _held(data: Packing | Measurement) -> list[str]:
     return lines
 
 
-def _write_measurement(data: Measurement, out: Path) -> str:
-    """Its arrays by name; what is not known is not there."""
-    held = {n: getattr(data, n) for n in (*ARRAYS, *NUMBERS) if getattr(data, n) is not None}
-    if data.walls is not None:
-        held |= {
-            k if k.startswith(PREFIX) else PREFIX + k: v for k, v in data.walls.arrays().items()
-        }
-    np.savez(out, **held)
-    return f"written to {out}: plain arrays by name, as no packing at rest is in it"
+def _tables(data: Measurement, out: Path) -> tuple[list[str], str]:
+    """As tables that can be read again: an npz holds packings at rest."""
+    made = [str(path) for path in write(out.with_suffix(".csv"), data)]
+    return made, f"written to {' and '.join(made)}: no packing at rest, so tables instead of npz"

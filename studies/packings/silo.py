@@ -102,7 +102,7 @@ def lines(table: np.ndarray) -> Iterator[str]:
         )
     rates = table["rate"][table["layer"] == 0]
     full = 2 * scene(400).friction * table["sideways"].mean()
-    yield f"\na W = {bar(rates)}; 2 μ σ_xx/σ_yy, of friction that points up everywhere: {full:.2f}."
+    yield f"\na W = {bar(rates)}; if all of it pointed up: 2 μ σ_xx/σ_yy = {full:.2f}"
 
 
 def text(table: np.ndarray) -> str:

@@ -34,9 +34,12 @@ def test_read_says_what_it_understood_and_writes_it(ask, files, tmp_path):
     assert "atoms.dump: a measurement" in out
     assert "80 grains" in out
     assert "six-digit-coordinates" in out
-    assert (tmp_path / "mine.npz").exists()
+    assert {p.name for p in tmp_path.iterdir()} == {"mine.grains.csv", "mine.contacts.csv"}
+    code, again, _ = ask("read", "mine.grains.csv", "--contacts", "mine.contacts.csv", "--json")
+    assert (code, again["kind"]) == (0, "measurement")
+    assert "normal_forces" in again["known"]
     code, out, _ = ask("read", files / "packing.npz", "--json")
-    assert (code, out["kind"], out["out"]) == (0, "packing", "packing.npz")
+    assert (code, out["kind"], out["out"]) == (0, "packing", ["packing.npz"])
     assert np.array_equal(
         Packing.load(tmp_path / "packing.npz").radii, packing(80, 3e-5, seed=3).radii
     )
@@ -100,6 +103,12 @@ def test_forces_of_six_digits_have_bars_and_advice(ask, files, tmp_path):
     held = ((low < p.normal_forces) & (p.normal_forces < high)).mean()
     assert 0.4 < held <= 1
     assert np.abs(table[:, 6] - p.normal_forces).max() < mean
+
+
+def test_forces_for_paraview(ask, files, tmp_path):
+    code, _, err = ask("forces", files / "packing.npz", "--out", "chains.vtk")
+    assert code == 0, err
+    assert (tmp_path / "chains.vtk").read_text().startswith("# vtk")
 
 
 def test_expected_errors_are_those_of_the_error_map(ask, files):

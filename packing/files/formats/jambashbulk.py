@@ -18,7 +18,7 @@ from packing.contacts.contact_search import infer_contacts
 from packing.contacts.rattlers import backbone, fewest_contacts
 from packing.files.contact_rows import good_radii
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, text_of
+from packing.files.text import Text, geometry, text_of
 
 NAME = "jambashbulk"
 _NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
@@ -51,7 +51,8 @@ def read(path: Path, *, frame: int = -1) -> Snapshot:
     count, cell, pressure = _header(text, start)
     grains, lines = _grains(text, start + 1, count)
     radii = good_radii(grains[:, 2], text, lines)
-    pairs, images = infer_contacts(grains[:, :2], radii, cell=cell)
+    with geometry(text):
+        pairs, images = infer_contacts(grains[:, :2], radii, cell=cell)
     branches = grains[pairs[:, 1], :2] - grains[pairs[:, 0], :2] + images @ cell
     overlaps = radii[pairs].sum(axis=1) - np.hypot(*branches.T)
     held = backbone(pairs, overlaps > 0, count, fewest_contacts(frictional=False))
@@ -74,6 +75,7 @@ def read(path: Path, *, frame: int = -1) -> Snapshot:
         law=Linear(1.0),
         stiffness=1.0,
         friction=0.0,
+        pressure=pressure if pressure > 0 else None,
         source=path.name,
         notes=(note,),
         grain_lines=lines,

@@ -16,9 +16,16 @@ import numpy as np
 
 from packing.arguments.arrays import Floats, Integers
 from packing.boundary import Walls, boundary_of
-from packing.files.contact_rows import ContactRows, good_radii, grain_ids, ordered, places
+from packing.files.contact_rows import (
+    ContactRows,
+    good_radii,
+    grain_ids,
+    ordered,
+    places,
+    unit_normals,
+)
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, text_of
+from packing.files.text import Text, geometry, text_of
 
 NAME = "mercury"
 _SECTIONS = ("Species", "Walls", "Boundaries", "Particles", "Interactions")
@@ -170,6 +177,9 @@ def _walls(text: Text, rows: range) -> _Around | None:
     ids = _vectors(text, rows, "id", 1)[flat, 0]
     n = n[flat, :2]
     length = np.hypot(*n.T)
+    if (length == 0).any():
+        wrong = np.array(rows)[flat][int(np.argmax(length == 0))]
+        raise text.problem("damaged", "the normal of a wall is 0", int(wrong))
     n = n / length[:, None]
     offsets = np.sum(n * point[flat, :2], axis=1)
     return _Around(Walls(n, offsets), grain_ids(ids, text, np.array(rows)[flat] + 1))
@@ -218,9 +228,10 @@ def _interactions(text: Text, rows: range, s: _State) -> ContactRows:
         at = places(named[:, 1:], s.around.ids, text, lines[~inner])[:, 0]
         pairs[~inner, 1] = len(s.ids) + at
     boundary = boundary_of(s.cell, None if s.around is None else s.around.walls)
-    images = boundary.nearest_images(s.positions, pairs)
+    with geometry(text):
+        images = boundary.nearest_images(s.positions, pairs)
     d = boundary.branches(s.positions, pairs, images)
-    n = d / np.where(np.hypot(*d.T) == 0, 1, np.hypot(*d.T))[:, None]
+    n = unit_normals(d, pairs, text, lines)
     t = np.column_stack([-n[:, 1], n[:, 0]])
     return ContactRows(pairs, images, -np.sum(force * n, axis=1), np.sum(force * t, axis=1), lines)
 

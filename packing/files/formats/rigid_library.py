@@ -23,7 +23,7 @@ from packing.arguments.numbers import file_path, finite_number
 from packing.boundary import Periodic
 from packing.files.contact_rows import ContactRows, good_radii, ordered, places
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, text_of
+from packing.files.text import Text, geometry, text_of
 from packing.note import Note
 
 NAME = "rigid-library"
@@ -161,7 +161,8 @@ def _contacts(text: Text, x: Floats, cell: Floats) -> tuple[ContactRows, tuple[N
     lines = np.arange(1, len(table) + 1)
     pairs = places(table[:, :2], np.arange(len(x)), text, lines)
     periodic = Periodic(cell)
-    images = periodic.nearest_images(x, pairs)
+    with geometry(text):
+        images = periodic.nearest_images(x, pairs)
     d = periodic.branches(x, pairs, images)
     r = np.hypot(*d.T)
     off = np.abs(d / np.where(r == 0, 1, r)[:, None] - table[:, 2:4]).max(axis=1)

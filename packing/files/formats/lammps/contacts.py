@@ -12,7 +12,7 @@ import numpy as np
 
 from packing.arguments.arrays import Floats, Integers
 from packing.boundary import boundary_of
-from packing.files.contact_rows import ContactRows, places
+from packing.files.contact_rows import ContactRows, places, unit_normals
 from packing.files.formats.lammps.atoms import Atoms
 from packing.files.formats.lammps.contact_columns import (
     Columns,
@@ -22,6 +22,7 @@ from packing.files.formats.lammps.contact_columns import (
     told_columns,
 )
 from packing.files.formats.lammps.frames import Frame
+from packing.files.text import geometry
 from packing.note import Note
 
 
@@ -34,18 +35,12 @@ def contact_rows(
     ids = told.ids if told else guessed_ids(frame, table, atoms.ids)
     pairs = places(table[:, list(ids)], atoms.ids, frame.text, frame.lines)
     boundary = boundary_of(cell)
-    images = boundary.nearest_images(atoms.positions, pairs)
+    with geometry(frame.text):
+        images = boundary.nearest_images(atoms.positions, pairs)
     d = boundary.branches(atoms.positions, pairs, images)
-    r = np.hypot(*d.T)
-    if (r == 0).any():
-        e = int(np.argmax(r == 0))
-        raise frame.text.problem(
-            "damaged",
-            f"the grains {table[e, ids[0]]:.0f} and {table[e, ids[1]]:.0f} lie at one point",
-            int(frame.lines[e]) - 1,
-        )
+    n = unit_normals(d, pairs, frame.text, frame.lines)
     found = told or Columns(ids, guessed_vectors(frame, table, d, ids) if len(table) else {})
-    normal, tangential, notes = _forces(frame, table, d / r[:, None], found)
+    normal, tangential, notes = _forces(frame, table, n, found)
     if told is None:
         notes = (guess_note(frame, found), *notes)
     return ContactRows(pairs, images, normal, tangential, frame.lines), notes

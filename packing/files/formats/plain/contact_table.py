@@ -15,8 +15,9 @@ import numpy as np
 
 from packing.arguments.arrays import Floats, Integers
 from packing.boundary import Boundary
-from packing.files.contact_rows import ContactRows, ordered, places
+from packing.files.contact_rows import ContactRows, ordered, places, unit_normals
 from packing.files.formats.plain.columns import Table
+from packing.files.text import geometry
 from packing.note import Note
 
 FIRST = ("i", "id1", "idi", "first", "grain1", "particle1", "source")
@@ -56,7 +57,9 @@ def contacts_of(
     )
     pairs[at_wall, 1] = len(ids) + known[:, 0]
     images = _images(table, boundary, x, pairs)
-    normal, tangential = _forces(table, boundary.branches(x, pairs, images))
+    branches = boundary.branches(x, pairs, images)
+    n = unit_normals(branches, pairs, table.text, table.lines)
+    normal, tangential = _forces(table, n)
     rows = ContactRows(
         pairs, images, normal, tangential, table.lines, _vector(table, ("nx",), ("ny",))
     )
@@ -102,7 +105,8 @@ def _numbering(table: Table, numbers: Floats, ids: Integers) -> tuple[Integers, 
 def _images(table: Table, boundary: Boundary, x: Floats, pairs: Integers) -> Integers:
     mx, my = table.column("mx", "imagex"), table.column("my", "imagey")
     if mx is None or my is None:
-        return boundary.nearest_images(x, pairs)
+        with geometry(table.text):
+            return boundary.nearest_images(x, pairs)
     images = np.column_stack([mx, my])
     odd = (images != np.round(images)) | (np.abs(images) > 2**31)
     if odd.any():
@@ -121,12 +125,10 @@ def _images(table: Table, boundary: Boundary, x: Floats, pairs: Integers) -> Int
     return whole
 
 
-def _forces(table: Table, branches: Floats) -> tuple[Floats | None, Floats | None]:
+def _forces(table: Table, n: Floats) -> tuple[Floats | None, Floats | None]:
     f_n, f_t = table.column(*NORMAL), table.column(*TANGENTIAL)
     if f_n is not None:
         return f_n, f_t
-    r = np.hypot(*branches.T)
-    n = branches / np.where(r == 0, 1, r)[:, None]
     t = np.column_stack([-n[:, 1], n[:, 0]])
     normal = _vector(table, ("fnx", "normalforcex"), ("fny", "normalforcey"))
     shear = _vector(table, ("fsx", "shearforcex"), ("fsy", "shearforcey"))
