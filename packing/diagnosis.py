@@ -8,7 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from packing.arguments.arrays import Floats
 from packing.arguments.coordinate_rounding import Resolution, resolution
 from packing.arguments.numbers import instance
 from packing.measurement import Measurement
@@ -83,8 +85,11 @@ def _all(seen: Seen, packing: PackingData | Measurement) -> Iterator[Note]:
 
 def sizes(seen: Seen) -> Iterator[Note]:
     """Diameters for radii: grains that touch then reach half into each other."""
+    if seen.radii is None:
+        return
     inner = seen.pairs[:, 1] < seen.grains
-    if seen.radii is None or not inner.any():
+    if not inner.any():
+        yield from _crowded(seen.positions, seen.radii)
         return
     i, j = seen.pairs[inner].T
     ratio = float(np.median((seen.radii[i] + seen.radii[j]) / seen.distances[inner]))
@@ -102,6 +107,22 @@ def sizes(seen: Seen) -> Iterator[Note]:
             "diameters-for-radii",
             f"the radii of two grains that touch add up to {ratio:.3g} "
             "of their distance, in the median: they are not radii",
+            number=ratio,
+        )
+
+
+def _crowded(x: Floats, radii: Floats) -> Iterator[Note]:
+    """Without contacts: nearest neighbours that reach half into each other."""
+    if len(x) < 2:
+        return
+    r, near = cKDTree(x).query(x, k=2)
+    ratio = float(np.median((radii + radii[near[:, 1]]) / r[:, 1]))
+    if ratio > _DOUBLED:
+        yield Note(
+            "error",
+            "diameters-for-radii",
+            f"the radii of nearest neighbours add up to {ratio:.3g} of their distance, in the "
+            "median: they are diameters (sizes='diameters')",
             number=ratio,
         )
 

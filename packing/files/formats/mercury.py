@@ -69,6 +69,8 @@ def read(path: Path) -> Snapshot:
     stiffness, friction = (
         _species(text, at["Species"], n) for n in ("stiffness", "slidingFriction")
     )
+    if friction is None and len(at["Species"]) == 1:
+        friction = 0.0
     return Snapshot(
         x[:, :2],
         radii,
@@ -80,7 +82,7 @@ def read(path: Path) -> Snapshot:
         external=_weight(text, masses),
         walls=None if around is None else around.walls,
         stiffness=stiffness,
-        friction=0.0 if friction is None else friction,
+        friction=friction,
         masses=masses,
         velocities=np.column_stack([velocity[:, :2], spin[:, 2]]),
         source=path.name,

@@ -96,6 +96,52 @@ def test_dumps_of_any_kind(coordinates, order, tmp_path):
             assert any("act on the second" in n.text for n in notes(found)) == second
 
 
+@pytest.mark.parametrize("second", [False, True])
+def test_the_whole_force_is_known_by_its_balance(second, tmp_path):
+    """One vector that is neither along the line of centres nor across it: it balances."""
+    p = made()
+    atoms, contacts = Dump(whole=True, second=second).write(tmp_path, p)
+    found = read(atoms, contacts=contacts)
+    assert isinstance(found, Packing), [str(note) for note in notes(found)]
+    agree(p, found, 1e-13)
+    assert any("whole force" in note.text for note in notes(found))
+
+
+def test_single_numbers_are_named(tmp_path):
+    """A column of f_n alone is not guessed, but it can be told."""
+    p = made(friction=0.0)
+    atoms, contacts = Dump(order=(0, 1, 2, 3)).write(tmp_path, p)
+    assert read(atoms, contacts=contacts).normal_forces is None
+    columns = {"id1": "c_pd[1]", "id2": "c_pd[2]", "fn": "c_pd[4]"}
+    agree(p, read(atoms, contacts=contacts, columns=columns), 1e-13)
+
+
+def test_a_pressure_that_the_forces_do_not_carry(tmp_path):
+    """Δ, κ and p have to go together: the P of the header, 3 % off."""
+    path, _ = SAMPLES["jambashbulk"](tmp_path)
+    p = made(friction=0.0)
+    path.write_text(path.read_text().replace(f"P = {p.pressure!r}", f"P = {1.03 * p.pressure!r}"))
+    found = read(path)
+    assert isinstance(found, Measurement)
+    assert "units-mixed" in names(found)
+
+
+def test_diameters_are_noticed_without_contacts(tmp_path):
+    """By neighbours that reach half into each other; and told, they are halved."""
+    p = made()
+    path = tmp_path / "g.csv"
+    rows = [
+        f"{x!r},{y!r},{2 * r!r}"
+        for (x, y), r in zip(p.positions.tolist(), p.radii.tolist(), strict=True)
+    ]
+    path.write_text("\n".join(["x,y,r", *rows]) + "\n")
+    with pytest.raises(FileProblem, match="diameters-for-radii"):
+        read(path)
+    assert np.array_equal(read(path, sizes="diameters").radii, p.radii)
+    path.write_text("\n".join(["x,y,d", *rows]) + "\n")
+    assert np.array_equal(read(path).radii, p.radii)
+
+
 def test_forces_act_on_the_grain_that_is_said(tmp_path):
     """Named by columns=, nothing is guessed; swapped names turn f_t round, which balance shows."""
     p = made()
