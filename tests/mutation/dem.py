@@ -18,15 +18,15 @@ DEM = (
     Mutation(
         "walls: friction turns the grain the other way",
         "dem/motion/kernels/outside.py",
-        "twist[g[some]] += tangential[some]",
-        "twist[g[some]] -= tangential[some]",
+        "twist[grains] += tangential[some]",
+        "twist[grains] -= tangential[some]",
         WALLS,
     ),
     Mutation(
         "walls: a corner pushes once",
         "dem/motion/kernels/outside.py",
-        "for k in range(int(rank.max(initial=-1)) + 1)]",
-        "for k in range(min(int(rank.max(initial=-1)) + 1, 1))]",
+        "for k in range(int(rank.max()) + 1)]",
+        "for k in range(1)]",
         (*WALLS, *BETWEEN),
     ),
     Mutation(

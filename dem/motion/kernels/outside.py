@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -47,11 +48,25 @@ class Outside:
         return float(np.abs(self.offsets - self.start).max(initial=0.0))
 
     @cached_property
-    def once(self) -> list[Integers]:
-        """The contacts in parts in which no grain occurs twice: a second is that of a corner."""
+    def towards(self) -> np.ndarray:
+        """n of each contact."""
+        return self.normals[self.walls]
+
+    @cached_property
+    def back(self) -> np.ndarray:
+        """-n* of each contact, which turns a vector into its axes."""
+        return -self.towards.conj()
+
+    @cached_property
+    def once(self) -> list[tuple[Any, Integers]]:
+        """The contacts, and their grains, in parts in which no grain occurs twice: a second is
+        that of a corner."""
         first = np.searchsorted(self.grains, self.grains)
         rank = np.arange(len(self.grains)) - first
-        return [np.flatnonzero(rank == k) for k in range(int(rank.max(initial=-1)) + 1)]
+        if not rank.any():
+            return [(slice(None), self.grains)]
+        parts = [np.flatnonzero(rank == k) for k in range(int(rank.max()) + 1)]
+        return [(some, self.grains[some]) for some in parts]
 
     def drift(self, dt: float) -> None:
         """The walls move on."""
@@ -66,12 +81,11 @@ class Outside:
         onto = np.zeros(len(self.offsets))
         g, w = self.grains, self.walls
         if len(g):
-            n = self.normals[w]
-            normal, tangential = self._contacts(z[g], v[g], s[g], n, dt)
-            force = (-normal + 1j * tangential) * n
-            for some in self.once:
-                pull[g[some]] += force[some]
-                twist[g[some]] += tangential[some]
+            normal, tangential = self._contacts(z[g], v[g], s[g], dt)
+            force = (-normal + 1j * tangential) * self.towards
+            for some, grains in self.once:
+                pull[grains] += force[some]
+                twist[grains] += tangential[some]
             onto += np.bincount(w, normal, len(onto))
         if len(self.stuck):
             along = (pull[self.stuck] * self.normals[self.stuck_to].conj()).real
@@ -81,12 +95,12 @@ class Outside:
         return onto
 
     def _contacts(
-        self, z: np.ndarray, v: np.ndarray, s: Floats, n: np.ndarray, dt: float
+        self, z: np.ndarray, v: np.ndarray, s: Floats, dt: float
     ) -> tuple[Floats, Floats]:
-        law, u = self.law, self.elongation
-        slip = -v * n.conj()
+        law, u, back = self.law, self.elongation, self.back
+        slip = v * back
         approach = slip.real + self.speeds[self.walls]
-        gap = self.offsets[self.walls] - (z * n.conj()).real - self.radii
+        gap = self.offsets[self.walls] + (z * back).real - self.radii
         overlap = np.maximum(-gap, 0.0)
         normal = law.force(overlap)
         if law.dashpot:
@@ -98,7 +112,7 @@ class Outside:
             u *= law.kept(dt * approach - gap, overlap)
         u += dt * (slip.imag - s)
         cap = law.friction * normal
-        tangential = np.clip(law.tangential_stiffness(overlap) * u, -cap, cap)
+        tangential = np.minimum(np.maximum(law.tangential_stiffness(overlap) * u, -cap), cap)
         u[:] = law.elongation(tangential, overlap)
         return normal, tangential
 
