@@ -380,6 +380,17 @@ def test_supported_and_right_or_refused_by_name(question, world, tmp_path):
     assert shown.error < shown.bound < shown.wrong
 
 
+def test_a_law_made_for_other_contacts_is_named():
+    """That of the whole for a part: by its name, its constants and its number of contacts."""
+    p = packing_of("Hertz")
+    part = network_of(p).inside(p.positions[:, 1] < p.positions[:, 1].mean(), p.normal_forces)
+    said = f"Hertz(stiffness=1.0, poisson=0.3) of {len(p.pairs)} contacts"
+    with pytest.raises(ValueError, match=re.escape(said) + f" is not one of {part.contacts}"):
+        reconstruct(part, p.law)
+    with pytest.raises(ValueError, match=re.escape(said) + " is none"):
+        reconstruct(network_of(p), p.law, "balanced")
+
+
 def test_every_estimator_has_its_row():
     assert set(ESTIMATORS) <= set(TABLE)
 

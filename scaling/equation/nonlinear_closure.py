@@ -22,6 +22,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
 from packing.arguments.arrays import Floats
+from packing.arguments.numbers import shown
 from packing.contact_law import ContactLaw
 from scaling.algebra.evidence import Solved
 from scaling.algebra.least_squares import LeastSquares
@@ -64,7 +65,7 @@ def solve_nonlinear(
         apart = float(np.linalg.norm(other.values - found[0].values)) / size
         if not apart <= AGREED + found[0].error + other.error:
             raise RuntimeError(
-                f"the GPPSZ equation with the law {type(law).__name__} has several solutions: "
+                f"the GPPSZ equation with the law {shown(law)} has several solutions: "
                 f"from the starts {first!r} and {name!r} Newton's method ends in forces that "
                 f"differ by {apart:.1e} of themselves"
             )
@@ -111,7 +112,7 @@ def from_start(
             share /= 2
         δ, f_t = δ + share * d, f_t + share * d_t
     raise RuntimeError(
-        f"the GPPSZ equation with the law {type(law).__name__}: after {STEPS} steps of Newton's "
+        f"the GPPSZ equation with the law {shown(law)}: after {STEPS} steps of Newton's "
         f"method forces still change by {size:.1e} of themselves"
     )
 

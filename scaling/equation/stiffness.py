@@ -42,7 +42,7 @@ def _refuse_other_contacts(law: ContactLaw, contacts: int) -> None:
         fits = False
     if not fits:
         raise ValueError(
-            f"the law {type(law).__name__} is not one of {contacts} contacts: make it for these, "
+            f"the law {shown(law)} is not one of {contacts} contacts: make it for these, "
             "packing.contact_law.law_between(law, radii, pairs)"
         )
 
