@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from packing.measurement import Measurement
 from packing_forces.answers.words import percent, power
 from packing_forces.judging.expected import expected
 from packing_forces.judging.reference import reference
@@ -44,6 +45,11 @@ class Check:
 def checks(case: Case) -> list[Check]:
     """All of them, in the order in which they are read."""
     found = [*_counts(case), *_units(case), *_digits(case), *_overlaps(case)]
+    found += [
+        Check(note.name, note.text, note.number, forbids=True)
+        for note in case.notes
+        if note.severity == "error"
+    ]
     equation = force_equation(case.network, case.frictional)
     found += [*_loads(case), *_balance(case, equation), *_coulomb(case), *_law(case)]
     found += _rank(case, equation)
@@ -75,6 +81,8 @@ def _units(case: Case) -> list[Check]:
     delta = case.delta
     known.append("Δ not known" if delta is None else f"Δ = {power(delta)}")
     law = "no contact law" if case.law is None else repr(case.law)
+    if isinstance(case.data, Measurement) and case.data.length_unit:
+        known[0] += f" {case.data.length_unit}"
     return [Check("units", f"{', '.join(known)}; {law}", delta, worry=delta is None)]
 
 

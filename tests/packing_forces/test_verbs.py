@@ -85,6 +85,21 @@ def test_check_names_what_is_missing(ask, tmp_path):
     assert "what holds the rim is missing" in err
 
 
+def test_diameters_for_radii_are_refused_by_name(ask, files, tmp_path):
+    """By every verb; told as diameters they are taken."""
+    lines = (files / "atoms.dump").read_text().splitlines()
+    start = lines.index("ITEM: ATOMS id type radius x y z") + 1
+    rows = [line.split() for line in lines[start:]]
+    doubled = [" ".join([*row[:2], str(2 * float(row[2])), *row[3:]]) for row in rows]
+    (tmp_path / "twice.dump").write_text("\n".join([*lines[:start], *doubled]) + "\n")
+    said = ("twice.dump", "--contacts", files / "contacts.dump", *KNOWN)
+    for verb in ("check", "forces", "report"):
+        code, out, err = ask(verb, *said)
+        assert code == 1, verb
+        assert "diameters-for-radii" in out + err
+    assert ask("check", *said, "--set", "sizes='diameters'")[0] == 0
+
+
 def test_forces_of_six_digits_have_bars_and_advice(ask, files, tmp_path):
     """The verdict's numbers are those of the network at hand; the CSV holds true forces."""
     p = packing(grains=80, delta=3e-5, seed=3)
