@@ -16,8 +16,9 @@ from packing.files.formats.lammps.atoms import Atoms, atoms_of
 from packing.files.formats.lammps.contacts import contact_rows, with_walls
 from packing.files.formats.lammps.frames import Frame, frame_at, starts_of
 from packing.files.formats.lammps.wall_columns import wall_contacts
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, text_of
+from packing.files.text import Text
 from packing.note import Note
 
 NAME = "lammps-dump"
