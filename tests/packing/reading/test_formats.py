@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,6 +40,7 @@ PACKINGS = {
     "jambashbulk": {"friction": 0.0},
     "mercury": {"boundary": "box"},
     "rigid-library": {"grains": 40},
+    "periodic-mercury": {},
 }
 
 
@@ -59,7 +61,7 @@ def test_a_packing_comes_back(name, tmp_path):
 def test_the_format_is_recognised(name, tmp_path):
     """The same with its name as without; as another one it is refused by file."""
     path, options = SAMPLES[name](tmp_path)
-    own = name.removeprefix("walled-")
+    own = name.removeprefix("walled-").removeprefix("periodic-")
     assert own in FORMATS
     a, b = read(path, **options), read(path, format=own, **options)
     assert np.array_equal(a.positions, b.positions)
@@ -202,6 +204,20 @@ def test_a_tilted_box(tmp_path):
     m = read(file)
     assert m.cell == pytest.approx(sheared, rel=1e-15)
     assert m.positions == pytest.approx(x, abs=1e-13)
+
+
+@pytest.mark.parametrize("coordinates", ["x", "xu", "xs", "xsu"])
+def test_a_packing_in_a_tilted_box(coordinates, tmp_path):
+    """The same lattice by other vectors, (b + a) for b: forces and contacts are the same."""
+    p = made()
+    tilted = np.array([p.cell[0], p.cell[1] + p.cell[0]])
+    images = np.rint(p.images @ p.cell @ np.linalg.inv(tilted)).astype(int)
+    q = replace(p, cell=tilted, images=images)
+    atoms, contacts = Dump(coordinates=coordinates).write(tmp_path, q)
+    found = read(atoms, contacts=contacts)
+    assert isinstance(found, Packing), [str(note) for note in notes(found)]
+    assert found.cell == pytest.approx(tilted, rel=1e-15)
+    agree(q, found, 1e-13)
 
 
 def test_a_general_triclinic_box(tmp_path):
