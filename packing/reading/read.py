@@ -11,8 +11,9 @@ import numpy as np
 
 from packing.arguments.numbers import choice, file_path
 from packing.files.formats import table
+from packing.files.opened import head_of
 from packing.files.problem import FileProblem
-from packing.files.text import Text, geometry, head_of
+from packing.files.text import Text, geometry
 from packing.measurement import Measurement
 from packing.note import Note
 from packing.reading import told

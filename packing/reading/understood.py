@@ -14,7 +14,8 @@ import numpy as np
 
 from packing.arguments.arrays import Floats
 from packing.contact_law import Hertz, Linear, law_between
-from packing.diagnosis import diagnose, pixels, sizes
+from packing.diagnosis import diagnose
+from packing.diagnosis.lengths import pixels, sizes
 from packing.files.problem import FileProblem
 from packing.files.snapshot import Snapshot
 from packing.law_record import law_record
@@ -55,7 +56,7 @@ def understood(s: Snapshot, name: str, gravity: Floats | None = None) -> Packing
             refuse_half_a_list(s)
             return _measured(s, name, _refusal(error, s))
         seen = (*pixels(Seen.of(s), s.length_unit), *diagnose(packing))
-        found = (*s.notes, *_pressure(s), *_others(seen, s))
+        found = (*s.notes, *_pressure(s), *_slip(s, packing.friction), *_others(seen, s))
         return noted(packing, s.source, name, found)
     return _measured(s, name, missing)
 
@@ -129,6 +130,20 @@ def _pressure(s: Snapshot) -> tuple[Note, ...]:
         f"p = Σ f_n r/2A = {seen.virial:.6g}, with the area A = {seen.area:.6g} {where}",
         s.source,
         number=seen.virial,
+    )
+    return (note,)
+
+
+def _slip(s: Snapshot, friction: float) -> tuple[Note, ...]:
+    """What the friction was taken for, if nobody told it."""
+    if s.friction is not None or s.tangential_forces is None:
+        return ()
+    note = Note(
+        "information",
+        "guessed",
+        f"friction {friction:.6g} is the largest f_t/f_n of a loaded contact: it is no less",
+        s.source,
+        number=friction,
     )
     return (note,)
 

@@ -16,7 +16,8 @@ class Dump:
 
     ``number`` the format of numbers; ``coordinates`` x, xu, xs or xsu; ``order`` of the columns of
     contacts; ``second`` forces on the second grain; ``reverse`` names each contact (j, i);
-    ``viscous`` dashpot times the velocities, which are then in the dump.
+    ``whole`` the whole force in place of its two parts; ``viscous`` dashpot times the velocities,
+    which are then in the dump.
     """
 
     number: str = "%.17g"
@@ -26,6 +27,7 @@ class Dump:
     reverse: bool = False
     frames: int = 1
     viscous: float = 0.0
+    whole: bool = False
 
     def write(self, folder: Path, p: Packing) -> tuple[Path, Path]:
         """NAME.atoms and NAME.contacts."""
@@ -77,6 +79,8 @@ class Dump:
         v = velocities(p)[p.pairs[:, 0]] - velocities(p)[p.pairs[:, 1]]
         f_n = p.normal_forces + self.viscous * np.sum(v * n, axis=1)
         along, across = -f_n[:, None] * n, p.tangential_forces[:, None] * t
+        if self.whole:
+            along, across = along + across, np.zeros_like(across)
         sign = (-1.0 if self.second else 1.0) * (-1.0 if self.reverse else 1.0)
         rows = []
         for e, (i, j) in enumerate(p.pairs.tolist()):

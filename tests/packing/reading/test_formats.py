@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,6 +40,7 @@ PACKINGS = {
     "jambashbulk": {"friction": 0.0},
     "mercury": {"boundary": "box"},
     "rigid-library": {"grains": 40},
+    "periodic-mercury": {},
 }
 
 
@@ -59,7 +61,7 @@ def test_a_packing_comes_back(name, tmp_path):
 def test_the_format_is_recognised(name, tmp_path):
     """The same with its name as without; as another one it is refused by file."""
     path, options = SAMPLES[name](tmp_path)
-    own = name.removeprefix("walled-")
+    own = name.removeprefix("walled-").removeprefix("periodic-")
     assert own in FORMATS
     a, b = read(path, **options), read(path, format=own, **options)
     assert np.array_equal(a.positions, b.positions)
@@ -94,6 +96,52 @@ def test_dumps_of_any_kind(coordinates, order, tmp_path):
             assert isinstance(found, Packing), [str(note) for note in notes(found)]
             agree(p, found, 1e-13)
             assert any("act on the second" in n.text for n in notes(found)) == second
+
+
+@pytest.mark.parametrize("second", [False, True])
+def test_the_whole_force_is_known_by_its_balance(second, tmp_path):
+    """One vector that is neither along the line of centres nor across it: it balances."""
+    p = made()
+    atoms, contacts = Dump(whole=True, second=second).write(tmp_path, p)
+    found = read(atoms, contacts=contacts)
+    assert isinstance(found, Packing), [str(note) for note in notes(found)]
+    agree(p, found, 1e-13)
+    assert any("whole force" in note.text for note in notes(found))
+
+
+def test_single_numbers_are_named(tmp_path):
+    """A column of f_n alone is not guessed, but it can be told."""
+    p = made(friction=0.0)
+    atoms, contacts = Dump(order=(0, 1, 2, 3)).write(tmp_path, p)
+    assert read(atoms, contacts=contacts).normal_forces is None
+    columns = {"id1": "c_pd[1]", "id2": "c_pd[2]", "fn": "c_pd[4]"}
+    agree(p, read(atoms, contacts=contacts, columns=columns), 1e-13)
+
+
+def test_a_pressure_that_the_forces_do_not_carry(tmp_path):
+    """Δ, κ and p have to go together: the P of the header, 3 % off."""
+    path, _ = SAMPLES["jambashbulk"](tmp_path)
+    p = made(friction=0.0)
+    path.write_text(path.read_text().replace(f"P = {p.pressure!r}", f"P = {1.03 * p.pressure!r}"))
+    found = read(path)
+    assert isinstance(found, Measurement)
+    assert "units-mixed" in names(found)
+
+
+def test_diameters_are_noticed_without_contacts(tmp_path):
+    """By neighbours that reach half into each other; and told, they are halved."""
+    p = made()
+    path = tmp_path / "g.csv"
+    rows = [
+        f"{x!r},{y!r},{2 * r!r}"
+        for (x, y), r in zip(p.positions.tolist(), p.radii.tolist(), strict=True)
+    ]
+    path.write_text("\n".join(["x,y,r", *rows]) + "\n")
+    with pytest.raises(FileProblem, match="diameters-for-radii"):
+        read(path)
+    assert np.array_equal(read(path, sizes="diameters").radii, p.radii)
+    path.write_text("\n".join(["x,y,d", *rows]) + "\n")
+    assert np.array_equal(read(path).radii, p.radii)
 
 
 def test_forces_act_on_the_grain_that_is_said(tmp_path):
@@ -156,6 +204,20 @@ def test_a_tilted_box(tmp_path):
     m = read(file)
     assert m.cell == pytest.approx(sheared, rel=1e-15)
     assert m.positions == pytest.approx(x, abs=1e-13)
+
+
+@pytest.mark.parametrize("coordinates", ["x", "xu", "xs", "xsu"])
+def test_a_packing_in_a_tilted_box(coordinates, tmp_path):
+    """The same lattice by other vectors, (b + a) for b: forces and contacts are the same."""
+    p = made()
+    tilted = np.array([p.cell[0], p.cell[1] + p.cell[0]])
+    images = np.rint(p.images @ p.cell @ np.linalg.inv(tilted)).astype(int)
+    q = replace(p, cell=tilted, images=images)
+    atoms, contacts = Dump(coordinates=coordinates).write(tmp_path, q)
+    found = read(atoms, contacts=contacts)
+    assert isinstance(found, Packing), [str(note) for note in notes(found)]
+    assert found.cell == pytest.approx(tilted, rel=1e-15)
+    agree(q, found, 1e-13)
 
 
 def test_a_general_triclinic_box(tmp_path):

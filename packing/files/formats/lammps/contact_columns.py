@@ -19,7 +19,11 @@ from packing.files.contact_rows import places
 from packing.files.formats.lammps.frames import Frame
 from packing.note import Note
 
-MEANINGS = ("id1", "id2", "normal", "tangential", "force")
+MEANINGS = ("id1", "id2", "normal", "tangential", "force", "fn", "ft")
+_SINGLE = ("id1", "id2", "fn", "ft")
+"""Meanings of one column; the others are vectors."""
+_BALANCED = 0.02
+"""Of ⟨|F|⟩, the rms net force on grains up to which a vector is the whole force."""
 _PARALLEL = 1e-3
 """Sine of the angle up to which vectors count as parallel, rms over contacts."""
 _REACH = 1.5
@@ -48,7 +52,7 @@ def told_columns(frame: Frame, columns: Mapping[str, object]) -> Columns:
                 f"columns has the key {shown(meaning)}; choose of {', '.join(MEANINGS)}"
             )
         wanted = [names] if isinstance(names, str) else list(names)  # type: ignore[call-overload]
-        need = 1 if meaning.startswith("id") else 2
+        need = 1 if meaning in _SINGLE else 2
         if len(wanted) != need or (unknown := [w for w in wanted if w not in frame.columns]):
             raise ValueError(
                 f"columns[{meaning!r}] = {shown(names)}: {need} of {' '.join(frame.columns)} "
@@ -58,7 +62,7 @@ def told_columns(frame: Frame, columns: Mapping[str, object]) -> Columns:
         at[meaning] = tuple(frame.columns.index(w) for w in wanted)
     if not {"id1", "id2"} <= set(at):
         raise ValueError("columns names no id1 and id2, the grains of a contact")
-    vectors = {k: (v[0], v[1]) for k, v in at.items() if not k.startswith("id")}
+    vectors = {k: (v[0], v[-1]) for k, v in at.items() if not k.startswith("id")}
     return Columns((at["id1"][0], at["id2"][0]), vectors)
 
 
@@ -80,7 +84,7 @@ def guessed_ids(frame: Frame, table: Floats, ids: Integers) -> tuple[int, int]:
 
 
 def guessed_vectors(
-    frame: Frame, table: Floats, branches: Floats, taken: tuple[int, int]
+    table: Floats, branches: Floats, taken: tuple[int, int]
 ) -> dict[str, tuple[int, int]]:
     """Neighbouring columns that are a normal or a tangential force, by their direction."""
     r = np.hypot(*branches.T)
@@ -99,8 +103,27 @@ def guessed_vectors(
                 parts[name] = (k, k + 1)
                 break
     if "normal" not in parts:
-        parts.pop("tangential", None)
+        return {}
     return parts
+
+
+def guessed_whole(
+    table: Floats, pairs: Integers, taken: tuple[int, int], loads: Floats
+) -> dict[str, tuple[int, int]]:
+    """Neighbouring columns that are the whole force of a contact: with ``loads`` they balance."""
+    count = len(loads)
+    for k in range(table.shape[1] - 1):
+        F = table[:, k : k + 2]
+        size = float(np.hypot(*F.T).mean())
+        if {k, k + 1} & set(taken) or not size > 0:
+            continue
+        net = np.zeros((count, 2))
+        np.add.at(net, pairs[:, 0], F)
+        np.add.at(net, pairs[:, 1], -F)
+        for sign in (1.0, -1.0):
+            if np.sqrt(np.mean((sign * net + loads) ** 2)) < _BALANCED * size:
+                return {"force": (k, k + 1)}
+    return {}
 
 
 def guess_note(frame: Frame, columns: Columns) -> Note:
@@ -108,7 +131,8 @@ def guess_note(frame: Frame, columns: Columns) -> Note:
     name = frame.columns
     words = [f"{name[columns.ids[0]]}, {name[columns.ids[1]]} are the grains"]
     for meaning, (a, b) in columns.vectors.items():
-        words.append(f"({name[a]}, {name[b]}) is the {meaning} force on the first")
+        kind = "whole" if meaning == "force" else meaning
+        words.append(f"({name[a]}, {name[b]}) is the {kind} force on the first")
     return frame.text.note(
         "information", "guessed", "from the data: " + "; ".join(words), frame.start - 1
     )

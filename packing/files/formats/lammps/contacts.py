@@ -19,17 +19,26 @@ from packing.files.formats.lammps.contact_columns import (
     guess_note,
     guessed_ids,
     guessed_vectors,
+    guessed_whole,
     told_columns,
 )
 from packing.files.formats.lammps.frames import Frame
+from packing.files.formats.lammps.wall_columns import WallContacts
 from packing.files.text import geometry
 from packing.note import Note
 
 
 def contact_rows(
-    frame: Frame, atoms: Atoms, cell: Floats | None, columns: Mapping[str, object] | None
+    frame: Frame,
+    atoms: Atoms,
+    cell: Floats | None,
+    columns: Mapping[str, object] | None,
+    loads: Floats,
 ) -> tuple[ContactRows, tuple[Note, ...]]:
-    """The contacts of the frame, between the grains of `atoms`, and what was guessed."""
+    """The contacts of the frame, between the grains of `atoms`, and what was guessed.
+
+    ``loads`` (N, 2): the forces of walls on grains.
+    """
     table = frame.values()
     told = None if columns is None else told_columns(frame, columns)
     ids = told.ids if told else guessed_ids(frame, table, atoms.ids)
@@ -39,11 +48,21 @@ def contact_rows(
         images = boundary.nearest_images(atoms.positions, pairs)
     d = boundary.branches(atoms.positions, pairs, images)
     n = unit_normals(d, pairs, frame.text, frame.lines)
-    found = told or Columns(ids, guessed_vectors(frame, table, d, ids) if len(table) else {})
+    found = told or Columns(ids, _vectors(table, d, (pairs, ids), loads))
     normal, tangential, notes = _forces(frame, table, n, found)
     if told is None:
         notes = (guess_note(frame, found), *notes)
     return ContactRows(pairs, images, normal, tangential, frame.lines), notes
+
+
+def _vectors(
+    table: Floats, branches: Floats, named: tuple[Integers, tuple[int, int]], loads: Floats
+) -> dict[str, tuple[int, int]]:
+    """Where the forces are: normal and tangential ones, or else the whole."""
+    pairs, ids = named
+    if not len(table):
+        return {}
+    return guessed_vectors(table, branches, ids) or guessed_whole(table, pairs, ids, loads)
 
 
 def _forces(
@@ -51,6 +70,8 @@ def _forces(
 ) -> tuple[Floats | None, Floats | None, tuple[Note, ...]]:
     """f_n, f_t and a note, if the forces listed act on the second grain."""
     at = columns.vectors
+    if "fn" in at:
+        return table[:, at["fn"][0]], table[:, at["ft"][0]] if "ft" in at else None, ()
     first = at.get("normal", at.get("force"))
     if first is None:
         return None, None, ()
@@ -70,23 +91,18 @@ def _forces(
 
 
 def with_walls(
-    rows: ContactRows,
-    grain: Integers,
-    wall: Integers,
-    normal: Floats,
-    tangential: Floats,
-    count: int,
-    lines: Integers,
+    rows: ContactRows, at_walls: WallContacts, count: int, lines: Integers
 ) -> ContactRows:
-    """The rows and, behind them, contacts of grains with walls."""
+    """The rows of ``count`` grains and, behind them, contacts with walls."""
     if rows.normal is None:
         return rows
     own = rows.tangential if rows.tangential is not None else np.zeros(len(rows.pairs))
+    pairs = np.column_stack([at_walls.grain, count + at_walls.wall])
     return replace(
         rows,
-        pairs=np.concatenate([rows.pairs, np.column_stack([grain, count + wall])]),
-        images=np.concatenate([rows.images, np.zeros((len(grain), 2), dtype=np.int64)]),
-        normal=np.concatenate([rows.normal, normal]),
-        tangential=np.concatenate([own, tangential]),
-        lines=np.concatenate([rows.lines, lines[grain]]),
+        pairs=np.concatenate([rows.pairs, pairs]),
+        images=np.concatenate([rows.images, np.zeros_like(pairs)]),
+        normal=np.concatenate([rows.normal, at_walls.normal]),
+        tangential=np.concatenate([own, at_walls.tangential]),
+        lines=np.concatenate([rows.lines, lines[at_walls.grain]]),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,9 @@ from packing.files.formats.lammps.atoms import Atoms, atoms_of
 from packing.files.formats.lammps.contacts import contact_rows, with_walls
 from packing.files.formats.lammps.frames import Frame, frame_at, starts_of
 from packing.files.formats.lammps.wall_columns import wall_contacts
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, text_of
+from packing.files.text import Text
 from packing.note import Note
 
 NAME = "lammps-dump"
@@ -48,8 +50,8 @@ def read(
         those of the same time step.
     columns : dict, optional
         What columns of the contacts mean: ``id1``, ``id2`` a name; ``normal``, ``tangential`` or
-        ``force`` (their sum) two names, of components of the force on the first grain. Left out:
-        guessed from the data.
+        ``force`` (their sum) two names, of components of the force on the first grain; ``fn``,
+        ``ft`` a name, in the signs of this project. Left out: guessed from the data.
     radius : float or dict, optional
         Radius of all grains, or by type, if the file has neither radius nor diameter.
     """
@@ -84,34 +86,24 @@ def _with_contacts(
     found: Snapshot, atoms: Atoms, text: Text, columns: Mapping[str, object] | None
 ) -> Snapshot:
     table = _same_step(text, atoms.frame.step)
-    rows, guesses = contact_rows(table, atoms, found.cell, columns)
-    at_walls = wall_contacts(atoms)
+    at_walls, count = wall_contacts(atoms), len(atoms.ids)
+    loads = np.zeros((count, 2)) if at_walls is None else at_walls.loads
+    rows, guesses = contact_rows(table, atoms, found.cell, columns, loads)
     notes = (*found.notes, *guesses)
-    count = len(atoms.ids)
     if at_walls is not None:
-        rows = with_walls(
-            rows,
-            at_walls.grain,
-            at_walls.wall,
-            at_walls.normal,
-            at_walls.tangential,
-            count,
-            atoms.lines,
-        )
+        rows = with_walls(rows, at_walls, count, atoms.lines)
         notes = (*notes, at_walls.note)
     rows, left_out = ordered(rows, count, text)
-    return Snapshot(
-        **{
-            **{k: getattr(found, k) for k in found.__dataclass_fields__},
-            "pairs": rows.pairs,
-            "images": rows.images,
-            "normal_forces": rows.normal,
-            "tangential_forces": rows.tangential,
-            "contact_lines": rows.lines,
-            "walls": None if at_walls is None else at_walls.walls,
-            "contact_source": text.path.name,
-            "notes": (*notes, *left_out),
-        }
+    return replace(
+        found,
+        pairs=rows.pairs,
+        images=rows.images,
+        normal_forces=rows.normal,
+        tangential_forces=rows.tangential,
+        contact_lines=rows.lines,
+        walls=None if at_walls is None else at_walls.walls,
+        contact_source=text.path.name,
+        notes=(*notes, *left_out),
     )
 
 

@@ -33,6 +33,8 @@ class WallContacts:
     tangential: Floats
     walls: Walls
     note: Note
+    loads: Floats
+    """(N, 2) forces of the walls on grains."""
 
 
 def wall_contacts(atoms: Atoms) -> WallContacts | None:
@@ -78,8 +80,10 @@ def wall_contacts(atoms: Atoms) -> WallContacts | None:
         len(first),
     )
     t = np.column_stack([-n[:, 1], n[:, 0]])
+    loads = np.zeros_like(atoms.positions)
+    np.add.at(loads, grain, force)
     return WallContacts(
-        grain, which, -np.sum(force * n, axis=1), np.sum(force * t, axis=1), walls, note
+        grain, which, -np.sum(force * n, axis=1), np.sum(force * t, axis=1), walls, note, loads
     )
 
 

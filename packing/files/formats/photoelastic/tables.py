@@ -19,8 +19,9 @@ from packing.arguments.arrays import Floats, Integers
 from packing.arguments.numbers import file_path, shown, whole_number
 from packing.files.contact_rows import good_radii, grain_ids, places
 from packing.files.formats.photoelastic.lab import Grains, Readings, snapshot_of
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, text_of
+from packing.files.text import Text
 from packing.note import Note
 
 NAME = "photoelastic"

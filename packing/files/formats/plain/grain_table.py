@@ -15,8 +15,8 @@ from packing.files.contact_rows import good_radii, grain_ids
 from packing.files.formats.plain import facts
 from packing.files.formats.plain.columns import Table, plain_name, table_of
 from packing.files.formats.plain.contact_table import FIRST, SECOND, contacts_of
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import text_of
 
 NAME = "csv"
 GRAINS, CONTACTS = ".grains.csv", ".contacts.csv"
