@@ -15,7 +15,7 @@ from packing.measurement import Measurement
 from packing_forces.answers.words import percent, power
 from packing_forces.judging.expected import expected
 from packing_forces.judging.reference import reference
-from packing_forces.known.case import Case
+from packing_forces.known.case import Case, law_in_words
 from scaling import CoarseCoordinatesWarning, force_equation, infer_contacts
 from scaling.equation.force_equation import ForceEquation
 from scaling.equation.loads import refuse_unbalanced
@@ -80,7 +80,7 @@ def _units(case: Case) -> list[Check]:
         known.append(f"{name} = {value:.4g}" if value is not None else f"{name} not known")
     delta = case.delta
     known.append("Δ not known" if delta is None else f"Δ = {power(delta)}")
-    law = "no contact law" if case.law is None else repr(case.law)
+    law = law_in_words(case.law)
     if isinstance(case.data, Measurement) and case.data.length_unit:
         known[0] += f" {case.data.length_unit}"
     return [Check("units", f"{', '.join(known)}; {law}", delta, worry=delta is None)]
