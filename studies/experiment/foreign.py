@@ -1,8 +1,9 @@
 """A packing of another group beside three of ours: does noise cost the same?
 
 The frictional set (N = 1024, μ = 0.1, slow shear) and packings of ours of the same μ, Δ and spread
-of the radii, whose Z comes out as it comes; noise ξ from 0.1 Δ to 30 Δ is added to diameters, directions exact, or to
-positions. E is taken against the forces in the file, which balance to 2e-5 ⟨f_n⟩.
+of the radii, whose Z comes out as it comes. Noise ξ from 0.1 Δ to 30 Δ is added to diameters,
+directions exact, or to positions. E is taken against the forces in the file, which balance to
+2e-5 ⟨f_n⟩.
 """
 
 from __future__ import annotations

@@ -173,6 +173,26 @@ def test_a_contradiction_is_said(ask, files):
     assert "contradict what was told" in out
 
 
+def test_exact_lengths_are_said_to_be_exact(ask, files):
+    """Noise that is told of exact data is not in them; six digits are."""
+    said = "Its lengths are exact"
+    told = ("--method", "optimal", "--noise", "3e-6")
+    assert said in ask("forces", files / "packing.npz", *told)[1]
+    assert said not in ask("forces", *dumps(files), *KNOWN, *told)[1]
+
+
+@pytest.mark.parametrize("part", [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99])
+@pytest.mark.parametrize("name", ["atoms.dump", "contacts.dump"])
+def test_half_a_file_is_refused_by_name(ask, files, tmp_path, name, part):
+    for file in ("atoms.dump", "contacts.dump"):
+        text = (files / file).read_bytes()
+        (tmp_path / file).write_bytes(text[: int(part * len(text))] if file == name else text)
+    code, out, err = ask("check", "atoms.dump", "--contacts", "contacts.dump", *KNOWN)
+    assert (code, out) == (1, "")
+    assert err.startswith("packing-forces check: ")
+    assert name in err
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
