@@ -54,7 +54,8 @@ def read(
     Parameters
     ----------
     path : Path
-        The grains: x, y, and r or d; also id, mass, fx, fy, torque (loads from outside).
+        The grains: x, y, and r or d; also id, mass, fx, fy, torque (loads from outside). Or
+        NAME.contacts.csv, if NAME.grains.csv lies beside it.
     contacts : path, optional
         The contacts; left out, NAME.contacts.csv beside NAME.grains.csv.
     cell : (2, 2) or (2,) array, optional
@@ -63,7 +64,10 @@ def read(
         n_x, n_y and offset of each wall, that contacts call -1, -2, ...
     """
     other = None if contacts is None else file_path("contacts", contacts)
-    if other is None and path.name.endswith(GRAINS):
+    if other is None and path.name.endswith(CONTACTS):
+        beside = path.with_name(path.name.removesuffix(CONTACTS) + GRAINS)
+        path, other = (beside, path) if beside.exists() else (path, None)
+    elif other is None and path.name.endswith(GRAINS):
         beside = path.with_name(path.name.removesuffix(GRAINS) + CONTACTS)
         other = beside if beside.exists() else None
     return snapshot_of(table_of(text_of(path)), other, _told_around(cell, walls))
