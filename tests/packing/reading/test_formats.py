@@ -352,6 +352,17 @@ def test_metres_for_pixels(tmp_path):
     assert "pixels" not in names(metres)
 
 
+def test_grains_of_an_image_without_contacts(tmp_path):
+    """They are a measurement in pixels, or in metres; a pixel of no size is refused."""
+    path, options = SAMPLES["photoelastic"](tmp_path)
+    options["contacts"].unlink()
+    pixels, metres = read(path), read(path, metre_per_pixel=1e-4)
+    assert metres.positions == pytest.approx(1e-4 * pixels.positions)
+    assert (metres.length_unit, metres.pairs) == ("m", None)
+    with pytest.raises(ValueError, match="metre_per_pixel = 0"):
+        read(path, metre_per_pixel=0)
+
+
 def test_a_reading_that_measured_nothing(tmp_path):
     """Tangential readings that are not correlated are dropped, and this is said."""
     path, options = SAMPLES["photoelastic"](tmp_path)
