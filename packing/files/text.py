@@ -149,4 +149,5 @@ def geometry(text: Text) -> Iterator[None]:
     except FileProblem:
         raise
     except ValueError as error:
-        raise text.problem("coarse-coordinates", str(error)) from error
+        name = "coarse-coordinates" if "rounded to" in str(error) else "damaged"
+        raise text.problem(name, str(error)) from error
