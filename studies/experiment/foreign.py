@@ -79,7 +79,7 @@ def _error(noisy: ContactNetwork, p: Packing, method: str, noise: str, xi: float
 def _limit(p: Packing) -> float:
     """The limit that no contact exceeds: μ, or what viscous parts of the forces take it to."""
     fn = p.normal_forces
-    pressed = fn > 0.05 * fn.mean()
+    pressed = fn > 1e-3 * fn.mean()
     return max(p.friction, float(np.max(np.abs(p.tangential_forces[pressed]) / fn[pressed])))
 
 
