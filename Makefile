@@ -2,6 +2,7 @@
 # make figures FULL=1  publication edition (N = 1000), to figures/
 # make test            lint, types and tests
 # make test-lowest     the tests with the lowest versions that pyproject.toml declares
+# make test-browser    the report in a Chromium, with pictures of it in build/pictures/
 # make wheel           install as a user does, with all that is needed, and run the README's lines
 # make fuzz            the property tests on 1000 random examples each (EXAMPLES=n)
 # make nightly         damaged files and odd calls (INPUTS=100000 each), make fuzz, the long tests,
@@ -31,7 +32,7 @@ DOCS = .venv-docs/bin/python
 LOWEST = .venv-lowest/bin/python
 INSTALL = -m pip install --quiet --disable-pip-version-check --editable
 
-.PHONY: figures test test-lowest wheel fuzz nightly mutation bench studies notebooks docs \
+.PHONY: figures test test-lowest test-browser wheel fuzz nightly mutation bench studies notebooks docs \
 	docs-pictures clean
 
 figures: .venv/ready$(if $(FULL),-full)
@@ -45,6 +46,11 @@ test: .venv-test/ready
 
 test-lowest: .venv-lowest/ready
 	$(LOWEST) -m pytest --numprocesses=2 --nbmake --disable-warnings tests notebooks
+
+test-browser: .venv-test/ready
+	$(TEST) $(INSTALL) ".[fast,test,test-browser]"
+	mkdir -p build/pictures
+	PAGE_PICTURES=build/pictures $(TEST) -m pytest tests/packing_forces/test_page.py
 
 wheel: .venv-test/ready
 	rm -rf build/wheel build/lib build/bdist.* .venv-wheel

@@ -24,6 +24,7 @@ PLAN = (
     "packing.files",
     "packing.files.formats",
     "packing",
+    "packing.diagnosis",
     "packing.reading",
     "packing.writing",
     "dem.model",

@@ -56,39 +56,44 @@ def test_wheel_holds_every_package_and_nothing_else(wheel):
     }
 
 
-def test_the_wheel_does_what_the_readme_says(wheel, tmp_path):
-    """Installed beside the packages of this environment, run from an empty folder."""
-    site, empty = tmp_path / "site", tmp_path / "empty"
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """The wheel installed beside the packages of this environment: its folder, and how to run."""
+    folder = tmp_path_factory.mktemp("installed")
+    site, empty = folder / "site", folder / "empty"
     install = [sys.executable, "-m", "pip", "install", "--no-deps", "--quiet", "--target", site]
     subprocess.run([*install, wheel], check=True)
     empty.mkdir()
-    where = "import dem, scaling, packing; print(*(m.__file__ for m in (dem, scaling, packing)))"
     run = {"cwd": empty, "env": os.environ | {"PYTHONPATH": str(site)}, "check": True}
+    return site, run
+
+
+def test_the_wheel_does_what_the_readme_says(installed):
+    """From an empty folder."""
+    site, run = installed
+    where = "import dem, scaling, packing; print(*(m.__file__ for m in (dem, scaling, packing)))"
     found = subprocess.run([sys.executable, "-c", where], capture_output=True, text=True, **run)
     assert all(path.startswith(str(site)) for path in found.stdout.split())
     subprocess.run([sys.executable, "-P", ROOT / "tests" / "readme_lines.py"], **run)
 
 
-@pytest.mark.parametrize("words", [["--help"], ["need"], ["prepare", "p.npz", "--grains", "40"]])
-def test_verbs_work_from_the_wheel(wheel, tmp_path, words):
+def test_verbs_work_from_the_wheel(installed):
     """By the script that the wheel installs, in an empty folder; what is written lies there."""
-    site = tmp_path / "site"
-    install = [sys.executable, "-m", "pip", "install", "--no-deps", "--quiet", "--target", site]
-    subprocess.run([*install, wheel], check=True)
-    empty = tmp_path / "empty"
-    empty.mkdir()
-    run = {"cwd": empty, "env": os.environ | {"PYTHONPATH": str(site)}, "check": True}
-    script = site / "bin" / "packing-forces"
-    found = subprocess.run([script, *words], capture_output=True, text=True, **run)
-    assert found.stdout
-    if words[0] == "prepare":
-        where = ["-P", "-c", "import packing_forces; print(packing_forces.__file__)"]
-        place = subprocess.run([sys.executable, *where], capture_output=True, text=True, **run)
-        assert place.stdout.startswith(str(site))
-        for verb in ("read", "check", "forces", "report"):
-            subprocess.run([script, verb, "p.npz"], capture_output=True, **run)
-        made = {p.name for p in empty.iterdir()}
-        assert made == {"p.npz", "p-forces.csv", "p-report.html"}
+    site, run = installed
+    script = [sys.executable, "-P", site / "bin" / "packing-forces"]
+    subprocess.run([*script, "prepare", "p.npz", "--grains", "40"], capture_output=True, **run)
+    asked = (
+        "import packing_forces, paper_figs.__main__\n"
+        "from packing_forces.command_line import main\nprint(packing_forces.__file__)\n"
+        "codes = [main([v, 'p.npz']) for v in ('read', 'check', 'forces', 'report')]\n"
+        "print([*codes, main(['need'])])"
+    )
+    words = [sys.executable, "-P", "-c", asked]
+    found = subprocess.run(words, capture_output=True, text=True, **run)
+    assert found.stdout.startswith(str(site))
+    assert found.stdout.endswith("[0, 0, 0, 0, 0]\n")
+    held = {p.name for p in run["cwd"].iterdir()}
+    assert held == {"p.npz", "p-forces.csv", "p-report.html"}
 
 
 def test_packages_know_their_version():

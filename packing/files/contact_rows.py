@@ -61,12 +61,10 @@ class ContactRows:
         return replace(self, pairs=pairs, images=seen_ahead(pairs, images), normals=normals)
 
 
-def ordered(
-    rows: ContactRows, grains: int, text: Text, zeros: bool = False
-) -> tuple[ContactRows, tuple[Note, ...]]:
+def ordered(rows: ContactRows, grains: int, text: Text) -> tuple[ContactRows, tuple[Note, ...]]:
     """The rows with i <= j, each once, those with walls last; and what was left out.
 
-    ``zeros``: keep those that bear no force.  FileProblem: a grain with itself, a contact that is
+    FileProblem: a grain with itself, a contact that is
     listed twice with other forces.
     """
     found: list[Note] = []
@@ -79,7 +77,7 @@ def ordered(
             int(rows.lines[e]) - 1,
             float(rows.pairs[e, 0]),
         )
-    if rows.normal is not None and not zeros:
+    if rows.normal is not None:
         none = rows.normal == 0
         if rows.tangential is not None:
             none &= rows.tangential == 0

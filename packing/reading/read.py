@@ -11,8 +11,10 @@ import numpy as np
 
 from packing.arguments.numbers import choice, file_path
 from packing.files.formats import table
+from packing.files.formats.plain.grain_table import GRAINS
+from packing.files.opened import head_of
 from packing.files.problem import FileProblem
-from packing.files.text import Text, geometry, head_of
+from packing.files.text import Text, geometry
 from packing.measurement import Measurement
 from packing.note import Note
 from packing.reading import told
@@ -63,7 +65,7 @@ def read(
     >>> len(packing.radii), packing.delta
     (12, 0.01)
     """
-    source = file_path("path", path)
+    source = _there(file_path("path", path))
     if format is not None:
         choice("format", format, ("npz", *table.FORMATS))
     with np.errstate(all="ignore"):
@@ -111,6 +113,12 @@ def notes(packing: Packing | Measurement) -> tuple[Note, ...]:
     kept = packing.provenance.notes.get(RECORD)
     plain = kept.get("notes", []) if isinstance(kept, dict) else []
     return tuple(Note(**each) for each in plain)
+
+
+def _there(path: Path) -> Path:
+    """The file, or the grains of the two tables that `write` makes of its name."""
+    grains = path.with_name(path.name.removesuffix(".csv") + GRAINS)
+    return grains if not path.exists() and grains.exists() else path
 
 
 def _npz(source: Path) -> Packing:

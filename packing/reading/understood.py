@@ -14,7 +14,8 @@ import numpy as np
 
 from packing.arguments.arrays import Floats
 from packing.contact_law import Hertz, Linear, law_between
-from packing.diagnosis import diagnose, pixels, sizes
+from packing.diagnosis import diagnose
+from packing.diagnosis.lengths import pixels, sizes
 from packing.files.problem import FileProblem
 from packing.files.snapshot import Snapshot
 from packing.law_record import law_record

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from packing.measurement import Measurement
 from packing_forces.answers.words import percent, power
 from packing_forces.judging.expected import expected
 from packing_forces.judging.reference import reference
-from packing_forces.known.case import Case
+from packing_forces.known.case import Case, law_in_words
 from scaling import CoarseCoordinatesWarning, force_equation, infer_contacts
 from scaling.equation.force_equation import ForceEquation
 from scaling.equation.loads import refuse_unbalanced
@@ -44,6 +45,11 @@ class Check:
 def checks(case: Case) -> list[Check]:
     """All of them, in the order in which they are read."""
     found = [*_counts(case), *_units(case), *_digits(case), *_overlaps(case)]
+    found += [
+        Check(note.name, note.text, note.number, forbids=True)
+        for note in case.notes
+        if note.severity == "error"
+    ]
     equation = force_equation(case.network, case.frictional)
     found += [*_loads(case), *_balance(case, equation), *_coulomb(case), *_law(case)]
     found += _rank(case, equation)
@@ -74,7 +80,9 @@ def _units(case: Case) -> list[Check]:
         known.append(f"{name} = {value:.4g}" if value is not None else f"{name} not known")
     delta = case.delta
     known.append("Δ not known" if delta is None else f"Δ = {power(delta)}")
-    law = "no contact law" if case.law is None else repr(case.law)
+    law = law_in_words(case.law)
+    if isinstance(case.data, Measurement) and case.data.length_unit:
+        known[0] += f" {case.data.length_unit}"
     return [Check("units", f"{', '.join(known)}; {law}", delta, worry=delta is None)]
 
 
@@ -137,6 +145,8 @@ def _loads(case: Case) -> list[Check]:
 def _balance(case: Case, equation: ForceEquation) -> list[Check]:
     forces = case.forces
     if forces is None:
+        if _loads(case):
+            return []  # without loads nothing has to balance
         try:
             refuse_unbalanced(equation)
         except ValueError as refusal:

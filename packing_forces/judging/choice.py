@@ -43,6 +43,9 @@ class Choice:
 
 def choice(case: Case, method: str | None = None) -> Choice:
     """The best method, or the one asked for. Refused: none can be told what it needs."""
+    for note in case.notes:
+        if note.severity == "error":
+            raise Refused(str(note))
     n = case.network
     if n.cell is None and n.walls is None and not n.external.any():
         raise Refused(
@@ -126,7 +129,7 @@ def options_of(case: Case, method: str) -> dict[str, Any]:
 
 def _options_of_bounded(case: Case) -> dict[str, Any]:
     """Friction, pressure, and the noise; without a linear law lengths say nothing, ξ = ∞."""
-    told: dict[str, Any] = {"progress": False}
+    told: dict[str, Any] = {"progress": None}
     if case.frictional:
         if case.friction is None:
             raise Refused(f"{case.name}: bounded needs the friction; give --friction")

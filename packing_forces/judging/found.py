@@ -106,7 +106,7 @@ def _drawn(
     try:
         low, high = posterior_intervals(
             Bounded(**chosen.options).posterior(equation), np.random.default_rng(seed),
-            draws=count, level=LEVEL, progress=False,
+            draws=count, level=LEVEL, progress=None,
         )  # fmt: skip
     except (ValueError, RuntimeError) as refusal:
         return None, None, f"no intervals: {refusal}", None, None

@@ -16,6 +16,8 @@ DIGITS = (10, 17)
 """Formats worth writing: %.10g is enough for nearly everybody, %.17g for everybody."""
 GOOD = 1e-4
 """E that rounding should not exceed."""
+EXACT = 1e-3
+"""True error over the one expected, below which the noise told is not in the data."""
 CONTRADICTED = 2.0
 """Misfit, χ² per degree of freedom, beyond which error bars say too little."""
 FLAT = 0.5
@@ -30,6 +32,8 @@ def verdict(case: Case, chosen: Choice, found: Found) -> str:
             f"Against the forces of the file {found.method} is off by {percent(found.true_error)}"
             f"{_their_balance(case, found)}."
         )
+        if found.error is not None and found.true_error < EXACT * found.error:
+            said.append("Its lengths are exact: the errors are those that such noise would make.")
     if found.error is not None and found.error > FLAT:
         said.append("That is no better than to take all forces for equal.")
     misfit = found.result.misfit

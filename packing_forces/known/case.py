@@ -17,7 +17,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from packing.arguments.arrays import Floats
-from packing.contact_law import ContactLaw, Linear, PerContact, law_of
+from packing.contact_law import ContactLaw, Hertz, Linear, PerContact, law_of
 from packing.measurement import Measurement
 from packing.note import Note
 from packing.record import Packing
@@ -180,6 +180,19 @@ def pressure_of(network: ContactNetwork, normal: Floats) -> float | None:
     return pressure if pressure > 0 else None
 
 
+def law_in_words(law: ContactLaw | None) -> str:
+    """The law in a few words, however many contacts it is of."""
+    if law is None:
+        return "no contact law"
+    if isinstance(law, Linear):
+        return f"linear springs, κ = {law.stiffness:.6g}"
+    if isinstance(law, PerContact):
+        return f"linear springs, κ = {law.stiffness.min():.4g} to {law.stiffness.max():.4g}"
+    if isinstance(law, Hertz):
+        return f"elastic spheres, κ = {law.stiffness:.6g}, ν = {law.poisson:g}"
+    return repr(law)[:80]
+
+
 def facts_of(case: Case) -> dict[str, Any]:
     """Counts and numbers, by name."""
     n = case.network
@@ -188,7 +201,7 @@ def facts_of(case: Case) -> dict[str, Any]:
         "rattlers": int((n.degrees == 0).sum()), "Z": n.coordination,
         "walls": 0 if n.walls is None else len(n.walls),
         "boundary": "open" if n.cell is None else "periodic",
-        "mean_diameter": n.mean_diameter, "law": repr(case.law), "pressure": case.pressure,
+        "mean_diameter": n.mean_diameter, "law": law_in_words(case.law), "pressure": case.pressure,
         "friction": case.friction, "delta": case.delta, "xi_position": case.noise.position,
         "xi_diameter": case.noise.diameter, "xi_source": case.noise.source, "xi": case.noise.xi,
         "ratio": case.ratio,

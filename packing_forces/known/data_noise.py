@@ -40,6 +40,8 @@ class DataNoise:
 
         ``factor``: of the same noise, so many times as strong.
         """
+        if network.directions_measured:  # by themselves: lengths are wrong in sizes alone
+            return {"noise": "diameter", "xi": factor * self.xi}
         if self.diameter <= NEGLIGIBLE * self.position:
             return {"noise": "position", "xi": factor * self.position}
         if self.position <= NEGLIGIBLE * self.diameter:

@@ -18,7 +18,7 @@ def answer(options: Namespace) -> Answer:
     width = max(len(check.name) for check in found)
     lines = [case.name]
     lines += [f" {check.mark} {check.name:{width}}  {check.said}" for check in found]
-    lines += [f" ! {note}" for note in case.notes if note.severity != "information"]
+    lines += [f" ! {note}" for note in case.notes if note.severity == "warning"]
     lines.append(f"Can forces be had? {why}")
     facts = facts_of(case) | {
         "checks": {check.name: {"said": check.said, "value": check.value} for check in found},

@@ -1,8 +1,9 @@
 """A packing of another group beside three of ours: does noise cost the same?
 
-The frictional set (N = 1024, μ = 0.1, slow shear) and packings of ours of the same μ and Δ, whose
-Z comes out as it comes; noise ξ from 0.1 Δ to 30 Δ is added to diameters, directions exact, or to
-positions. E is taken against the forces in the file, which balance to 2e-5 ⟨f_n⟩.
+The frictional set (N = 1024, μ = 0.1, slow shear) and packings of ours of the same μ, Δ and spread
+of the radii, whose Z comes out as it comes. Noise ξ from 0.1 Δ to 30 Δ is added to diameters,
+directions exact, or to positions. E is taken against the forces in the file, which balance to
+2e-5 ⟨f_n⟩.
 """
 
 from __future__ import annotations
@@ -15,7 +16,16 @@ import numpy as np
 
 from dem import Packing, Scene
 from packing.record import Packing as Record
-from scaling import ContactNetwork, amplification_of, perturb, reconstruct, relative_error
+from scaling import (
+    ContactNetwork,
+    amplification_of,
+    gain,
+    mean_force,
+    perturb,
+    reconstruct,
+    relative_error,
+    stress,
+)
 from studies.error_bars import one_digit
 from studies.packing_store import SEED, make
 from studies.third_party import third_party
@@ -28,8 +38,9 @@ OWN = 3
 
 
 def beside(theirs: Packing, count: int = OWN) -> list[Packing]:
-    """Ours of their μ, Δ and N."""
-    scene = Scene(len(theirs.radii), theirs.delta, friction=theirs.friction)
+    """Ours of their μ, Δ, N and spread of the radii, uniform."""
+    spread = round(float(np.ptp(theirs.radii) / (2 * theirs.radii.mean())), 2)
+    scene = Scene(len(theirs.radii), theirs.delta, friction=theirs.friction, polydispersity=spread)
     return make([scene] * count, range(1, count + 1))
 
 
@@ -68,7 +79,7 @@ def _error(noisy: ContactNetwork, p: Packing, method: str, noise: str, xi: float
 def _limit(p: Packing) -> float:
     """The limit that no contact exceeds: μ, or what viscous parts of the forces take it to."""
     fn = p.normal_forces
-    pressed = fn > 0.05 * fn.mean()
+    pressed = fn > 1e-3 * fn.mean()
     return max(p.friction, float(np.max(np.abs(p.tangential_forces[pressed]) / fn[pressed])))
 
 
@@ -77,12 +88,13 @@ def lines() -> Iterator[str]:
     theirs = third_party("henkes_dem")
     assert isinstance(theirs, Record)
     ours = beside(theirs)
-    yield "| | μ | Δ | Z | C, diameters | C, positions |"
-    yield "|---|---|---|---|---|---|"
+    yield "| | μ | Δ | Z | K/⟨σ⟩ | p⟨σ⟩/⟨f⟩ | shear | C, diameters | C, positions |"
+    yield "|---|---|---|---|---|---|---|---|---|"
     for name, p in (("theirs", theirs), *((f"ours {k + 1}", p) for k, p in enumerate(ours))):
         C = [f"{amplification_of(p, noise=noise):.3f}" for noise in ("diameter", "position")]
         yield (
-            f"| {name} | {p.friction:g} | {p.delta:.2e} | {p.coordination:.2f} | {C[0]} | {C[1]} |"
+            f"| {name} | {p.friction:g} | {p.delta:.2e} | {p.coordination:.2f} | {_parts(p)} | "
+            f"{C[0]} | {C[1]} |"
         )
     yield ""
     of_theirs, of_ours = errors(theirs), [errors(p) for p in ours]
@@ -93,6 +105,15 @@ def lines() -> Iterator[str]:
         for method in METHODS:
             cells = [_cell(of_theirs, of_ours, (noise, ratio, method)) for ratio in RATIOS]
             yield f"| {noise} | {method} | {' | '.join(cells)} |"
+
+
+def _parts(p: Packing) -> str:
+    """The two factors of C on diameters, and |σ_xx - σ_yy, 2 σ_xy|/2p: how sheared it is."""
+    network = ContactNetwork.from_packing(p)
+    unit, σ = network.mean_diameter, stress(network, p.forces)
+    K, f = gain(network, "gppsz", "diameter") / unit, p.pressure * unit / mean_force(p)
+    shear = np.hypot(σ[0, 0] - σ[1, 1], σ[0, 1] + σ[1, 0]) / (2 * p.pressure)
+    return f"{K:.3f} | {f:.3f} | {shear:.3f}"
 
 
 def _cell(

@@ -110,11 +110,20 @@ def rigid_library(folder: Path) -> Sample:
 
 
 def mercury(folder: Path) -> Sample:
-    p = made(boundary="box")
+    """Between four walls."""
+    return _restart(folder, made(boundary="box"))
+
+
+def periodic_mercury(folder: Path) -> Sample:
+    """In a cell that is periodic both ways."""
+    return _restart(folder, made())
+
+
+def _restart(folder: Path, p: Packing) -> Sample:
     n, t = directions(p)
     force = -p.normal_forces[:, None] * n + p.tangential_forces[:, None] * t
-    N, walls = len(p.radii), p.walls
-    assert walls is not None
+    N = len(p.radii)
+    walls, sides = _walls(p), _sides(p)
     lines = [
         "restart_version 1.0 name box",
         "systemDimensions 2 particleDimensions 2 gravity 0 0 0",
@@ -122,13 +131,11 @@ def mercury(folder: Path) -> Sample:
         "LinearViscoelasticFrictionSpecies id 0 density 1 stiffness 1 dissipation 0 "
         "slidingFriction 0.3",
         f"Walls {len(walls)}",
+        *walls,
+        f"Boundaries {len(sides)}",
+        *sides,
+        f"Particles {N}",
     ]
-    for k, (m, h) in enumerate(zip(walls.normals.tolist(), walls.offsets.tolist(), strict=True)):
-        at = f"{m[0] * h!r} {m[1] * h!r} 0"
-        lines.append(
-            f"InfiniteWall id {k} indSpecies 0 position {at} normal {m[0]} {m[1]} 0 factor 1"
-        )
-    lines += ["Boundaries 0", f"Particles {N}"]
     for k, ((x, y), r) in enumerate(zip(p.positions.tolist(), p.radii.tolist(), strict=True)):
         lines.append(
             f"BaseParticle id {k} indSpecies 0 position {x!r} {y!r} 0 velocity 0 0 0 "
@@ -141,6 +148,26 @@ def mercury(folder: Path) -> Sample:
             f"LinearViscoelasticInteraction {pair} timeStamp 1 force {a!r} {b!r} 0 torque 0 0 0"
         )
     return text(folder / "box.restart", lines), {}
+
+
+def _walls(p: Packing) -> list[str]:
+    if p.walls is None:
+        return []
+    lines = zip(p.walls.normals.tolist(), p.walls.offsets.tolist(), strict=True)
+    return [
+        f"InfiniteWall id {k} indSpecies 0 position {a * h!r} {b * h!r} 0 normal {a} {b} 0"
+        for k, ((a, b), h) in enumerate(lines)
+    ]
+
+
+def _sides(p: Packing) -> list[str]:
+    if p.cell is None:
+        return []
+    return [
+        f"PeriodicBoundary id {k} normal {n} distanceLeft 0 distanceRight {p.cell[k, k].item()!r} "
+        "shift 0 0 0"
+        for k, n in enumerate(("1 0 0", "0 1 0"))
+    ]
 
 
 def readings(p: Packing, noise: float = 0.05) -> list[tuple[int, int, float, float]]:
@@ -227,6 +254,7 @@ SAMPLES: dict[str, Callable[[Path], Sample]] = {
     "jambashbulk": jambashbulk,
     "rigid-library": rigid_library,
     "mercury": mercury,
+    "periodic-mercury": periodic_mercury,
     "photoelastic": photoelastic,
     "pegs-mat": pegs_mat,
     "yade": yade,

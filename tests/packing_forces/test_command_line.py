@@ -5,9 +5,12 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+from packing.contact_law import Hertz, Linear, PerContact
 from packing_forces.judging.materials import MATERIALS
+from packing_forces.known.case import law_in_words
 from packing_forces.options import MATERIALS as NAMED
 from packing_forces.options import METHODS, VERBS
 from paper_figs.__main__ import FIGURES
@@ -42,6 +45,15 @@ def test_every_verb_has_an_example(ask, verb):
     assert code == 0
     assert out.rstrip().endswith(VERBS[verb].example)
     assert VERBS[verb].example.startswith(f"packing-forces {verb} ")
+
+
+def test_laws_are_said_in_a_few_words():
+    """However many contacts they are of."""
+    assert law_in_words(None) == "no contact law"
+    assert law_in_words(Linear(2.0)) == "linear springs, κ = 2"
+    assert law_in_words(PerContact(np.array([1.0, 3.0]))) == "linear springs, κ = 1 to 3"
+    spheres = Hertz(5.0).of_contacts(np.full(500, 0.25))
+    assert law_in_words(spheres) == "elastic spheres, κ = 5, ν = 0.3"
 
 
 def test_names_are_those_of_the_packages():

@@ -85,6 +85,21 @@ def test_check_names_what_is_missing(ask, tmp_path):
     assert "what holds the rim is missing" in err
 
 
+def test_diameters_for_radii_are_refused_by_name(ask, files, tmp_path):
+    """By every verb; told as diameters they are taken."""
+    lines = (files / "atoms.dump").read_text().splitlines()
+    start = lines.index("ITEM: ATOMS id type radius x y z") + 1
+    rows = [line.split() for line in lines[start:]]
+    doubled = [" ".join([*row[:2], str(2 * float(row[2])), *row[3:]]) for row in rows]
+    (tmp_path / "twice.dump").write_text("\n".join([*lines[:start], *doubled]) + "\n")
+    said = ("twice.dump", "--contacts", files / "contacts.dump", *KNOWN)
+    for verb in ("check", "forces", "report"):
+        code, out, err = ask(verb, *said)
+        assert code == 1, verb
+        assert "diameters-for-radii" in out + err
+    assert ask("check", *said, "--set", "sizes='diameters'")[0] == 0
+
+
 def test_forces_of_six_digits_have_bars_and_advice(ask, files, tmp_path):
     """The verdict's numbers are those of the network at hand; the CSV holds true forces."""
     p = packing(grains=80, delta=3e-5, seed=3)
@@ -156,6 +171,26 @@ def test_a_contradiction_is_said(ask, files):
     code, out, _ = ask("forces", *dumps(files), *KNOWN, "--noise", 1e-7, "--method", "optimal")
     assert code == 0
     assert "contradict what was told" in out
+
+
+def test_exact_lengths_are_said_to_be_exact(ask, files):
+    """Noise that is told of exact data is not in them; six digits are."""
+    said = "Its lengths are exact"
+    told = ("--method", "optimal", "--noise", "3e-6")
+    assert said in ask("forces", files / "packing.npz", *told)[1]
+    assert said not in ask("forces", *dumps(files), *KNOWN, *told)[1]
+
+
+@pytest.mark.parametrize("part", [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99])
+@pytest.mark.parametrize("name", ["atoms.dump", "contacts.dump"])
+def test_half_a_file_is_refused_by_name(ask, files, tmp_path, name, part):
+    for file in ("atoms.dump", "contacts.dump"):
+        text = (files / file).read_bytes()
+        (tmp_path / file).write_bytes(text[: int(part * len(text))] if file == name else text)
+    code, out, err = ask("check", "atoms.dump", "--contacts", "contacts.dump", *KNOWN)
+    assert (code, out) == (1, "")
+    assert err.startswith("packing-forces check: ")
+    assert name in err
 
 
 @pytest.mark.parametrize(

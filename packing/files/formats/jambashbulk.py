@@ -17,8 +17,9 @@ from packing.contact_law import Linear
 from packing.contacts.contact_search import infer_contacts
 from packing.contacts.rattlers import backbone, fewest_contacts
 from packing.files.contact_rows import good_radii
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, geometry, text_of
+from packing.files.text import Text, geometry
 
 NAME = "jambashbulk"
 _NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"

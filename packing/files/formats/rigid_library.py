@@ -22,8 +22,9 @@ from packing.arguments.arrays import Floats
 from packing.arguments.numbers import file_path, finite_number
 from packing.boundary import Periodic
 from packing.files.contact_rows import ContactRows, good_radii, ordered, places
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, geometry, text_of
+from packing.files.text import Text, geometry
 from packing.note import Note
 
 NAME = "rigid-library"

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
-from packing.files.formats import jambashbulk, mercury, rigid_library
+from packing.files.formats import jambashbulk, rigid_library
 from packing.files.formats.lammps import data, dump
+from packing.files.formats.mercury import restart
 from packing.files.formats.photoelastic import pegs_mat, tables
 from packing.files.formats.plain import grain_table, yade
 from packing.files.snapshot import Snapshot
@@ -16,7 +17,7 @@ from packing.files.snapshot import Snapshot
 MODULES: tuple[ModuleType, ...] = (
     dump,
     data,
-    mercury,
+    restart,
     jambashbulk,
     rigid_library,
     pegs_mat,

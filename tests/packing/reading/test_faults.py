@@ -335,7 +335,7 @@ def test_rounded_coordinates_are_named_with_their_error(number, name, delta, tmp
 
 def test_too_large(tmp_path, monkeypatch):
     reading = table(tmp_path)
-    monkeypatch.setattr("packing.files.text.available", lambda: 1000)
+    monkeypatch.setattr("packing.files.opened.available", lambda: 1000)
     assert [note.name for note in found(reading)] == ["too-large"]
 
 

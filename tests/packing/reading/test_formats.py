@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gzip
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -39,6 +41,7 @@ PACKINGS = {
     "jambashbulk": {"friction": 0.0},
     "mercury": {"boundary": "box"},
     "rigid-library": {"grains": 40},
+    "periodic-mercury": {},
 }
 
 
@@ -59,7 +62,7 @@ def test_a_packing_comes_back(name, tmp_path):
 def test_the_format_is_recognised(name, tmp_path):
     """The same with its name as without; as another one it is refused by file."""
     path, options = SAMPLES[name](tmp_path)
-    own = name.removeprefix("walled-")
+    own = name.removeprefix("walled-").removeprefix("periodic-")
     assert own in FORMATS
     a, b = read(path, **options), read(path, format=own, **options)
     assert np.array_equal(a.positions, b.positions)
@@ -182,6 +185,71 @@ def test_frames(tmp_path):
         read(atoms, contacts=contacts, frame=3)
 
 
+def test_boxes_that_do_not_say_their_sides(tmp_path):
+    """Those that contacts cross are periodic: both here; none, if the others are left out."""
+    p = made()
+    atoms, contacts = Dump().write(tmp_path, p)
+    for file in (atoms, contacts):
+        file.write_text(file.read_text().replace("BOUNDS pp pp pp", "BOUNDS"))
+    agree(p, read(atoms, contacts=contacts), 1e-13)
+    inner = ~p.images.any(axis=1)
+    part = {
+        k: getattr(p, k)[inner] for k in ("pairs", "images", "normal_forces", "tangential_forces")
+    }
+    m = Measurement(p.positions, radii=p.radii, cell=p.cell, **part)
+    atoms, contacts = Dump(coordinates="xu").write(
+        tmp_path,
+        SimpleNamespace(
+            **{k: getattr(m, k) for k in ("positions", "radii", "cell", *part)},
+            branches=p.branches[inner],
+        ),
+    )
+    for file in (atoms, contacts):
+        file.write_text(file.read_text().replace("BOUNDS pp pp pp", "BOUNDS"))
+    found = read(atoms, contacts=contacts)
+    assert found.cell is None
+    assert np.array_equal(found.pairs, m.pairs)
+
+
+def test_frames_with_times_and_units(tmp_path):
+    """`dump_modify time yes units yes` puts lines before each time step."""
+    p = made()
+    atoms, contacts = Dump(frames=3).write(tmp_path, p)
+    for file in (atoms, contacts):
+        text = file.read_text().replace("ITEM: TIMESTEP", "ITEM: TIME\n0.5\nITEM: TIMESTEP")
+        file.write_text("ITEM: UNITS\nlj\n" + text)
+    agree(p, read(atoms, contacts=contacts), 1e-13)
+    assert read(atoms, contacts=contacts, frame=0).positions is not None
+
+
+def test_a_table_is_told_its_cell_and_its_walls(tmp_path):
+    """The facts above the names of the columns left out, and told."""
+    for scene in ({}, {"boundary": "box"}):
+        p = made(**scene)
+        path = SAMPLES["walled-csv" if scene else "csv"](tmp_path)[0]
+        rows = path.read_text().split("\n")
+        path.write_text(
+            "\n".join(r for r in rows if not r.startswith(("# cell", "# wall", "# load")))
+        )
+        told = (
+            {"cell": p.cell}
+            if p.walls is None
+            else {"walls": np.column_stack([p.walls.normals, p.walls.offsets])}
+        )
+        found = read(path, **told)
+        assert isinstance(found, Packing), [str(note) for note in notes(found)]
+        agree(p, found)
+        if p.walls is None:
+            assert np.array_equal(read(path, cell=np.diag(p.cell)).cell, p.cell)
+            with pytest.raises(ValueError, match="cell"):
+                read(path, cell=[[1, 2], [2, 4]])
+        else:
+            with pytest.raises(ValueError, match="walls"):
+                read(path, walls=[[0, 1]])
+            with pytest.raises(FileProblem, match="missing-walls"):
+                read(path)
+
+
 def test_a_tilted_box(tmp_path):
     """The bounding box of a triclinic cell is larger by its tilt."""
     p = made()
@@ -202,6 +270,20 @@ def test_a_tilted_box(tmp_path):
     m = read(file)
     assert m.cell == pytest.approx(sheared, rel=1e-15)
     assert m.positions == pytest.approx(x, abs=1e-13)
+
+
+@pytest.mark.parametrize("coordinates", ["x", "xu", "xs", "xsu"])
+def test_a_packing_in_a_tilted_box(coordinates, tmp_path):
+    """The same lattice by other vectors, (b + a) for b: forces and contacts are the same."""
+    p = made()
+    tilted = np.array([p.cell[0], p.cell[1] + p.cell[0]])
+    images = np.rint(p.images @ p.cell @ np.linalg.inv(tilted)).astype(int)
+    q = replace(p, cell=tilted, images=images)
+    atoms, contacts = Dump(coordinates=coordinates).write(tmp_path, q)
+    found = read(atoms, contacts=contacts)
+    assert isinstance(found, Packing), [str(note) for note in notes(found)]
+    assert found.cell == pytest.approx(tilted, rel=1e-15)
+    agree(q, found, 1e-13)
 
 
 def test_a_general_triclinic_box(tmp_path):
@@ -268,6 +350,17 @@ def test_metres_for_pixels(tmp_path):
     assert metres.positions == pytest.approx(1e-4 * pixels.positions)
     assert (pixels.length_unit, metres.length_unit) == ("px", "m")
     assert "pixels" not in names(metres)
+
+
+def test_grains_of_an_image_without_contacts(tmp_path):
+    """They are a measurement in pixels, or in metres; a pixel of no size is refused."""
+    path, options = SAMPLES["photoelastic"](tmp_path)
+    options["contacts"].unlink()
+    pixels, metres = read(path), read(path, metre_per_pixel=1e-4)
+    assert metres.positions == pytest.approx(1e-4 * pixels.positions)
+    assert (metres.length_unit, metres.pairs) == ("m", None)
+    with pytest.raises(ValueError, match="metre_per_pixel = 0"):
+        read(path, metre_per_pixel=0)
 
 
 def test_a_reading_that_measured_nothing(tmp_path):

@@ -111,6 +111,12 @@ def test_measurements_come_back_bit_for_bit(tmp_path_factory, m):
         assert (found.friction, found.length_unit) == (m.friction, m.length_unit)
 
 
+def test_either_table_and_their_common_name_are_read(tmp_path):
+    p = made()
+    for path in (*write(tmp_path / "p.csv", p), tmp_path / "p.csv"):
+        same(p, read(path))
+
+
 def test_error_bars_come_back(tmp_path):
     p, c = made(), len(made().pairs)
     bars = np.random.default_rng(1).random(2 * c)

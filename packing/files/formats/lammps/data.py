@@ -13,8 +13,9 @@ import numpy as np
 
 from packing.arguments.arrays import Floats
 from packing.files.contact_rows import good_radii, grain_ids
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, text_of
+from packing.files.text import Text
 
 NAME = "lammps-data"
 _ATOMS = re.compile(r"Atoms\s*(#\s*(\w+))?\s*")

@@ -11,13 +11,14 @@ import numpy as np
 
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import file_path, shown, whole_number
-from packing.files.contact_rows import ordered
+from packing.files.contact_rows import ContactRows, ordered
 from packing.files.formats.lammps.atoms import Atoms, atoms_of
 from packing.files.formats.lammps.contacts import contact_rows, with_walls
 from packing.files.formats.lammps.frames import Frame, frame_at, starts_of
 from packing.files.formats.lammps.wall_columns import wall_contacts
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, text_of
+from packing.files.text import Text
 from packing.note import Note
 
 NAME = "lammps-dump"
@@ -88,6 +89,7 @@ def _with_contacts(
     at_walls, count = wall_contacts(atoms), len(atoms.ids)
     loads = np.zeros((count, 2)) if at_walls is None else at_walls.loads
     rows, guesses = contact_rows(table, atoms, found.cell, columns, loads)
+    found, rows = _crossed(found, atoms, rows)
     notes = (*found.notes, *guesses)
     if at_walls is not None:
         rows = with_walls(rows, at_walls, count, atoms.lines)
@@ -148,21 +150,39 @@ def _same_step(text: Text, step: int) -> Frame:
 
 
 def _cell(atoms: Atoms) -> tuple[Floats | None, tuple[Note, ...]]:
-    """The periodic cell; open along a side that is not periodic, and how that is represented."""
+    """The periodic cell; None without one. Which sides are periodic may be not said."""
     frame = atoms.frame
     if frame.periodic is None:
         note = frame.text.note(
             "information",
             "guessed",
-            "the box does not say which sides are periodic: all are taken so",
+            "the box does not say which sides are periodic: those that contacts cross are taken "
+            "so, or all without contacts",
             frame.start - 1,
         )
         return frame.cell, (note,)
-    if not any(frame.periodic):
+    return _periodic(atoms, frame.periodic)
+
+
+def _crossed(found: Snapshot, atoms: Atoms, rows: ContactRows) -> tuple[Snapshot, ContactRows]:
+    """With the sides alone that contacts cross, where the box does not say which are periodic."""
+    if atoms.frame.periodic is not None:
+        return found, rows
+    x, y = bool(rows.images[:, 0].any()), bool(rows.images[:, 1].any())
+    cell, notes = _periodic(atoms, (x, y))
+    images = rows.images[:, ::-1] if y and not x else rows.images
+    found = replace(found, cell=cell, notes=(*found.notes, *notes))
+    return found, replace(rows, images=images)
+
+
+def _periodic(atoms: Atoms, sides: tuple[bool, bool]) -> tuple[Floats | None, tuple[Note, ...]]:
+    """The cell with these periodic sides."""
+    frame = atoms.frame
+    if not any(sides):
         return None, ()
-    if all(frame.periodic):
+    if all(sides):
         return frame.cell, ()
-    along = 0 if frame.periodic[0] else 1
+    along = 0 if sides[0] else 1
     # Nothing crosses the other side: it is put out of reach of every grain.
     span = np.ptp(atoms.positions[:, 1 - along])
     far = 2 * span + 1 if atoms.radii is None else span + 6 * atoms.radii.max()

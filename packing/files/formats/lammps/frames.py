@@ -59,6 +59,8 @@ def starts_of(text: Text) -> list[int]:
 def frame_at(text: Text, start: int, end: int) -> Frame:
     """The frame in the lines start ... end - 1."""
     items = [k for k in range(start, end) if text.lines[k].startswith("ITEM:")]
+    while len(items) > 1 and _short(text.lines[items[-1]][5:].strip()) in ("TIME", "UNITS"):
+        end = items.pop()  # they stand before the time step of the next frame
     named = {text.lines[k].split(":", 1)[1].strip(): k for k in items}
     at = {_short(name): k for name, k in named.items()}
     for wanted in ("TIMESTEP", "NUMBER OF", "BOX BOUNDS"):

@@ -6,7 +6,7 @@ side of the box around all such grains that is nearest to it, and this is said.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,26 +76,33 @@ def snapshot_of(grains: Grains, readings: Readings, metre_per_pixel: float | Non
         notes = (*notes, _zeros(readings, none, lines))
         pairs, normal, lines = pairs[~none], normal[~none], lines[~none]
         tangential = None if tangential is None else tangential[~none]
-    scale = 1.0 if metre_per_pixel is None else positive_number("metre_per_pixel", metre_per_pixel)
+    found = grains_alone(grains, metre_per_pixel)
     if walls is not None:
-        walls = walls.moved(walls.offsets * scale)
-    return Snapshot(
-        grains.positions * scale,
-        grains.radii * scale,
-        None,
-        pairs,
-        np.zeros_like(pairs),
+        walls = walls.moved(walls.offsets * (metre_per_pixel or 1.0))
+    return replace(
+        found,
+        pairs=pairs,
+        images=np.zeros_like(pairs),
         normal_forces=normal,
         tangential_forces=tangential,
         walls=walls,
         uncertainty=m.uncertainty,
-        length_unit="px" if metre_per_pixel is None else "m",
         force_unit="N",
-        source=grains.text.path.name,
         notes=notes,
-        grain_lines=grains.lines,
         contact_lines=lines,
         contact_source=readings.text.path.name,
+    )
+
+
+def grains_alone(grains: Grains, metre_per_pixel: float | None) -> Snapshot:
+    """The grains without contacts, in metres if the size of a pixel is told."""
+    scale = 1.0 if metre_per_pixel is None else positive_number("metre_per_pixel", metre_per_pixel)
+    return Snapshot(
+        grains.positions * scale,
+        grains.radii * scale,
+        length_unit="px" if metre_per_pixel is None else "m",
+        source=grains.text.path.name,
+        grain_lines=grains.lines,
     )
 
 

@@ -17,7 +17,7 @@ from packing.arguments.arrays import Floats
 from packing.arguments.memory import refuse_beyond
 from packing.arguments.numbers import LARGEST
 from packing.files.contact_rows import good_radii, grain_ids, places
-from packing.files.formats.photoelastic.lab import Grains, Readings, snapshot_of
+from packing.files.formats.photoelastic.lab import Grains, Readings, grains_alone, snapshot_of
 from packing.files.formats.photoelastic.mat5 import Broken, structures
 from packing.files.npz import naming_path
 from packing.files.snapshot import Snapshot
@@ -57,9 +57,7 @@ def read(path: Path, *, metre_per_pixel: float | None = None) -> Snapshot:
         for neighbour, force, alpha, beta in _contacts(p, k, text)
     ]
     if not found:
-        return Snapshot(
-            table[:, 1:3], radii, source=path.name, length_unit="px", grain_lines=lines
-        )
+        return grains_alone(grains, metre_per_pixel)
     contacts = np.array(found, dtype=float)
     place = contacts[:, 0].astype(np.int64)
     other = np.full(len(contacts), -1)

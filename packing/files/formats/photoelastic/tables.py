@@ -18,9 +18,10 @@ import numpy as np
 from packing.arguments.arrays import Floats, Integers
 from packing.arguments.numbers import file_path, shown, whole_number
 from packing.files.contact_rows import good_radii, grain_ids, places
-from packing.files.formats.photoelastic.lab import Grains, Readings, snapshot_of
+from packing.files.formats.photoelastic.lab import Grains, Readings, grains_alone, snapshot_of
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import Text, text_of
+from packing.files.text import Text
 from packing.note import Note
 
 NAME = "photoelastic"
@@ -70,21 +71,9 @@ def read(
     )
     source = _contact_file(path) if contacts is None else file_path("contacts", contacts)
     if source is None:
-        scale = 1.0 if metre_per_pixel is None else metre_per_pixel
-        return Snapshot(
-            grains.positions * scale,
-            grains.radii * scale,
-            source=path.name,
-            notes=notes,
-            length_unit="px" if metre_per_pixel is None else "m",
-            grain_lines=lines,
-        )
+        return replace(grains_alone(grains, metre_per_pixel), notes=notes)
     found = snapshot_of(grains, _readings(text_of(source), grains.ids, which), metre_per_pixel)
-    return _noted(found, notes)
-
-
-def _noted(s: Snapshot, notes: tuple[Note, ...]) -> Snapshot:
-    return replace(s, notes=(*notes, *s.notes))
+    return replace(found, notes=(*notes, *found.notes))
 
 
 def _of_frame(

@@ -7,16 +7,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from packing.arguments.arrays import Floats, Integers
+from packing.arguments.arrays import Floats, Integers, real_array
 from packing.arguments.numbers import file_path
-from packing.boundary import boundary_of
+from packing.boundary import Walls, boundary_of
+from packing.contacts import contact_list
 from packing.files.contact_rows import good_radii, grain_ids
 from packing.files.formats.plain import facts
 from packing.files.formats.plain.columns import Table, plain_name, table_of
 from packing.files.formats.plain.contact_table import FIRST, SECOND, contacts_of
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import text_of
 
 NAME = "csv"
 GRAINS, CONTACTS = ".grains.csv", ".contacts.csv"
@@ -25,6 +27,8 @@ X, Y = ("x", "xc", "posx", "positionx"), ("y", "yc", "posy", "positiony")
 RADIUS, DIAMETER = ("r", "radius", "rad"), ("d", "diameter", "diam", "sigma")
 ID = ("id", "grain", "particle", "particleid", "number", "grainid", "bid")
 MASS = ("m", "mass")
+Around = tuple[Floats | None, Walls | None]
+"""A cell and walls."""
 LOADS = (("fx", "forcex"), ("fy", "forcey"), ("torque", "tqz", "tz"))
 
 
@@ -42,25 +46,38 @@ def recognises(path: Path, head: str) -> bool:
     return False
 
 
-def read(path: Path, *, contacts: Any = None) -> Snapshot:
+def read(
+    path: Path, *, contacts: Any = None, cell: ArrayLike | None = None, walls: Any = None
+) -> Snapshot:
     """A table of grains, and one of contacts.
 
     Parameters
     ----------
     path : Path
-        The grains: x, y, and r or d; also id, mass, fx, fy, torque (loads from outside).
+        The grains: x, y, and r or d; also id, mass, fx, fy, torque (loads from outside). Or
+        NAME.contacts.csv, if NAME.grains.csv lies beside it.
     contacts : path, optional
         The contacts; left out, NAME.contacts.csv beside NAME.grains.csv.
+    cell : (2, 2) or (2,) array, optional
+        Lattice vectors as rows, or the sides of a rectangle, where the table does not say them.
+    walls : (w, 3) array or Walls, optional
+        n_x, n_y and offset of each wall, that contacts call -1, -2, ...
     """
     other = None if contacts is None else file_path("contacts", contacts)
-    if other is None and path.name.endswith(GRAINS):
+    if other is None and path.name.endswith(CONTACTS):
+        beside = path.with_name(path.name.removesuffix(CONTACTS) + GRAINS)
+        path, other = (beside, path) if beside.exists() else (path, None)
+    elif other is None and path.name.endswith(GRAINS):
         beside = path.with_name(path.name.removesuffix(GRAINS) + CONTACTS)
         other = beside if beside.exists() else None
-    return snapshot_of(table_of(text_of(path)), other)
+    return snapshot_of(table_of(text_of(path)), other, _told_around(cell, walls))
 
 
-def snapshot_of(table: Table, other: Path | None) -> Snapshot:
-    """What the table of grains says, and that of contacts in the file ``other``."""
+def snapshot_of(table: Table, other: Path | None, around: Around = (None, None)) -> Snapshot:
+    """What the table of grains says, and that of contacts in the file ``other``.
+
+    ``around``: a cell and walls, in place of those of the table.
+    """
     text = table.text
     if table.column(*FIRST) is not None and table.column(*X) is None:
         raise text.problem(
@@ -74,7 +91,10 @@ def snapshot_of(table: Table, other: Path | None) -> Snapshot:
     _refuse_height(table, x)
     ids = _ids(table, len(x))
     numbers: dict[str, Any] = {**facts.numbers_of(table)}
-    cell, walls = facts.cell_of(table), facts.walls_of(table, table.column("glued"))
+    cell = facts.cell_of(table) if around[0] is None else around[0]
+    walls = around[1]
+    if walls is None:
+        walls = facts.walls_of(table, table.column("glued"))
     forces: dict[str, Any] = {"notes": ()}
     if other is not None:
         found = contacts_of(
@@ -110,6 +130,17 @@ def snapshot_of(table: Table, other: Path | None) -> Snapshot:
         **numbers,
         **forces,
     )
+
+
+def _told_around(cell: ArrayLike | None, walls: Any) -> Around:
+    """The cell and the walls that the user told; ValueError: others than those."""
+    if cell is not None:
+        sides = real_array("cell", cell)
+        cell = contact_list.lattice(np.diag(sides) if sides.shape == (2,) else sides)
+    if walls is not None and not isinstance(walls, Walls):
+        lines = real_array("walls", walls, (None, 3), "wall")
+        walls = Walls(lines[:, :2], lines[:, 2])
+    return cell, walls
 
 
 def _ids(table: Table, count: int) -> Integers:

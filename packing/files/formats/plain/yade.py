@@ -16,8 +16,8 @@ from typing import Any
 from packing.arguments.numbers import file_path
 from packing.files.formats.plain.columns import table_of
 from packing.files.formats.plain.grain_table import snapshot_of
+from packing.files.opened import text_of
 from packing.files.snapshot import Snapshot
-from packing.files.text import text_of
 
 NAME = "yade"
 _FORMAT = re.compile(r"#format\s+(x_y_z_r\w*)")
