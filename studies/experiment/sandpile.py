@@ -101,7 +101,7 @@ def row(p: Packing, case: tuple[str, float, int]) -> tuple[Any, ...]:
     found = [measured(p, n, size / DIAMETER, rng) for size in MEASURED.values()]
     guess = relative_error(flat_guess(n, pressure), p.forces)
     errors, answers = zip(*found, strict=True)
-    told = (p.pressure / law.stiffness) ** (2 / 3)
+    told = law.delta(p.pressure)
     exact = relative_error(reconstruct(n, law), p)
     about = material, depth, seed, told, law.delta(pressure), float(p.residuals().max())
     return (*about, p.coordination, exact, C, *errors, *answers, guess)

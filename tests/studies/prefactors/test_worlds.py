@@ -43,7 +43,7 @@ def check(table, within):
     assert spread(table, "delta") < within
     assert spread(table, "") > 50
     assert spread(table, "wrong_delta") > 50
-    assert (table["refused"] == 0).all()
+    assert table["refused"].sum() < 0.01 * len(table) * len(worlds.RANGES) * worlds.DRAWS
     assert table["exact"].max() < 1e-10
     assert table["residual"].max() < 1e-11
 
