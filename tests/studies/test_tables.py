@@ -22,7 +22,7 @@ def test_committed_tables_are_read_as_they_are(path):
     assert list(table.dtype.names) == names
     assert len(table) == len(rows) > 1
     words = {"how", "kind", "knob", "value", "history", "method", "noise", "outcome", "solver",
-             "study", "told", "world", "law"}  # fmt: skip
+             "study", "told", "world", "law", "contact", "material"}  # fmt: skip
     for name in names:
         assert table.dtype[name].kind in "ifb" or name in words, name
     facts = read_facts(path)
