@@ -262,3 +262,35 @@ def test_a_region_between_walls_is_cut_out(world):
     assert np.abs(force_equation(part).M @ f - force_equation(part).balance_rhs()).max() < 1e-12
     found = reconstruct(part, p.law)
     assert np.abs(found.forces - f).max() < 1e-9 * p.normal_forces.mean()
+
+
+@pytest.mark.parametrize("world", ["box", "weight"])
+def test_known_wall_forces_are_loads(world):
+    """As GPPSZ have it: without walls, their forces given as external ones. Control: one of them
+    left out, and the loads balance no longer."""
+    p = packing_in(world)
+    n, at_wall = ContactNetwork.from_packing(p), p.pairs[:, 1] >= len(p.radii)
+    on_first = -p.normal_forces[:, None] * n.normals + p.tangential_forces[:, None] * n.tangents
+    loads, touched = p.external.copy(), p.pairs[at_wall, 0]
+    np.add.at(loads[:, :2], touched, on_first[at_wall])
+    np.add.at(loads[:, 2], touched, (p.radii[p.pairs[:, 0]] * p.tangential_forces)[at_wall])
+    inner = {"cell": p.cell, "images": p.images[~at_wall]}
+    alone = ContactNetwork(p.positions, p.radii, p.pairs[~at_wall], external=loads, **inner)
+    known = np.concatenate([p.normal_forces[~at_wall], p.tangential_forces[~at_wall]])
+    assert relative_error(reconstruct(alone, p.stiffness).forces, known) < 1e-10
+    loads[touched[0]] = p.external[touched[0]]
+    wrong = ContactNetwork(p.positions, p.radii, p.pairs[~at_wall], external=loads, **inner)
+    with pytest.raises(ValueError, match="loads"):
+        reconstruct(wrong, p.stiffness)
+
+
+def test_with_weight_no_grain_is_a_rattler():
+    """What rests on the floor bears its own weight on one contact; without weight it is loose."""
+    heavy, light = packing_in("weight"), packing_in("frictional")
+    assert not heavy.rattlers.any()
+    assert light.rattlers.any()
+    on_floor = {"positions": [[0.0, 0.5]], "radii": [0.5], "pairs": [(0, 1)]}
+    walls = Walls([FLOOR], [0.0])
+    resting = ContactNetwork(**on_floor, external=[[0, -1.0, 0]], walls=walls)
+    assert resting.without_rattlers().contacts == 1
+    assert ContactNetwork(**on_floor, walls=walls).without_rattlers().contacts == 0
