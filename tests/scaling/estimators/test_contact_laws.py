@@ -187,7 +187,7 @@ def test_newton_that_does_not_converge_is_refused(monkeypatch):
     law = Stiffening(scale=1e-5)
     truth = loaded(periodic(delta=1e-3), law)
     monkeypatch.setattr("scaling.equation.nonlinear_closure.STEPS", 2)
-    with pytest.raises(RuntimeError, match="law Stiffening.*: after 2 steps of Newton's method"):
+    with pytest.raises(RuntimeError, match=r"law Stiffening.*: after 2 steps of Newton's method"):
         reconstruct(truth.network, law)
 
 
