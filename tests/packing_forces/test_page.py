@@ -12,6 +12,7 @@ from io import StringIO
 import pytest
 
 from packing_forces.command_line import main
+from tests.conftest import packing
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 PICTURES = os.environ.get("PAGE_PICTURES")
@@ -100,10 +101,10 @@ def test_a_refusal_is_a_page_too(ask, files, tmp_path):
     assert text.count("<img") == 1
 
 
-def test_names_of_files_are_text(ask, files, tmp_path):
+def test_names_of_files_are_text(ask, tmp_path):
     """A file called like an element stays a name."""
     name = "<b>&amp;.npz"
-    shutil.copy(files / "packing.npz", tmp_path / name)
+    packing(grains=12, delta=1e-2).save(tmp_path / name)
     assert ask("report", name, "--out", "x.html")[0] == 0
     text = (tmp_path / "x.html").read_text(encoding="utf-8")
     assert "<b>" not in text

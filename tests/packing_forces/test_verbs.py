@@ -152,7 +152,7 @@ def test_the_best_method_is_chosen_for_a_reason(ask, files):
         ((*dumps(files), "--stiffness", "1"), "optimal"),
         ((*dumps(files), "--friction", "0.3"), "bounded"),
     ):
-        _, out, _ = ask("forces", *words, "--json")
+        _, out, _ = ask("forces", *words, "--draws", 8, "--json")
         assert out["method"] == method, words
         assert out["why"]
     assert out["delta"] is None  # no law was told: no length was used
@@ -161,7 +161,7 @@ def test_the_best_method_is_chosen_for_a_reason(ask, files):
 
 def test_bounded_with_bars_is_no_worse_than_it_says(ask, files):
     pytest.importorskip("clarabel", reason="bounded needs clarabel")
-    _, out, _ = ask("forces", *dumps(files), *KNOWN, "--json")
+    _, out, _ = ask("forces", *dumps(files), *KNOWN, "--draws", 12, "--json")
     assert out["true_error"] < 3 * out["error"]
     assert out["error"] < out["expected"]["gppsz"]
 
