@@ -37,12 +37,12 @@ def posterior_draws(
         raise ValueError("projected draws are for a Gaussian prior: gaps=True has another")
     k = 0 if posterior.noise is None else posterior.noise.count
     contacts, told = posterior.equation.network.contacts, posterior.stress.noisy
-    sizes = k, posterior.equation.unknowns, contacts, told
+    sizes = k, posterior.equation.unknowns, contacts, told, posterior.load_errors.shape[1]
     refuse_beyond(f"draws = {draws}", 8.0 * draws * (sum(sizes) + sizes[1]))
     shifts = []
     for child in rng.spawn(draws):
-        data, prior, second, stress = map(child.standard_normal, sizes)
-        shifts.append((data, prior, second, stress))
+        data, prior, second, stress, loads = map(child.standard_normal, sizes)
+        shifts.append((data, prior, second, stress, loads))
     curved = bounded_forces(posterior, progress)[2].curved
 
     def drawn(curved: bool) -> Floats:
