@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import block_array, csr_array, diags_array, eye_array, hstack
 
 from packing.arguments.arrays import Floats
-from scaling.equation.global_moments import global_moments
+from scaling.equation.global_moments import moments_left_free
 from scaling.estimators.bounded.posterior import Posterior
 from scaling.estimators.bounded.stress_data import stress_data
 
@@ -104,9 +104,7 @@ def program_of(
     if shift is not None:
         η0, mean = g * shift[0], mean + width * shift[1]
 
-    moments = csr_array((equation.M.shape[0], 0))
-    if equation.frictional:
-        moments = global_moments(equation.network)
+    moments = moments_left_free(equation, p.load_errors)
     of_loads = p.load_errors / f0
     size = np.maximum(1.0, np.sqrt(of_loads.multiply(of_loads).sum(axis=0)))
     m, l, s = equation.M.shape[0], len(size), moments.shape[1]

@@ -21,7 +21,7 @@ from scipy.sparse import csc_array, csr_array, diags_array, hstack, vstack
 
 from packing.arguments.arrays import Floats, Integers
 from scaling.equation.force_equation import ForceEquation
-from scaling.equation.global_moments import global_moments
+from scaling.equation.global_moments import moments_left_free
 from scaling.equation.trivial_balances import trivial_balances
 from scaling.estimators.misfit import Misfit
 from scaling.estimators.optimal.load_conditions import load_columns
@@ -78,7 +78,8 @@ def acting_and_free(
     acting = csr_array(acting + load_columns(equation, noise))
     if not equation.frictional:
         return acting, csr_array((acting.shape[0], 0))
-    return acting, csr_array(hstack([matrices.M_tangential, global_moments(network)]))
+    free = moments_left_free(equation, noise.loads)
+    return acting, csr_array(hstack([matrices.M_tangential, free]))
 
 
 def scaled(columns: csr_array) -> csr_array:
@@ -106,7 +107,7 @@ def _counted(equation: ForceEquation, noise: NoiseModel, acting: csr_array, data
     balances = (3 if equation.frictional else 2) * np.bincount(part, minlength=count) - 2
     moments = np.zeros(count, dtype=np.int64)
     if equation.frictional:
-        columns = csc_array(global_moments(network))
+        columns = csc_array(moments_left_free(equation, noise.loads))
         grain = columns.indices[columns.indptr[:-1]] % len(network.active)
         moments = np.bincount(part[grain], minlength=count)
     elif not noise.moves:
@@ -141,9 +142,11 @@ def _component_of_source(
     columns.sort_indices()
     row = columns.indices[columns.indptr[:-1][np.diff(columns.indptr) > 0]]
     balances, Q = equation.M.shape[0], equation.Q
+    of_grain = part[row % len(equation.network.active)]
     if acting.shape[0] == balances:
-        return part[row % len(equation.network.active)]
-    return of_contact[Q.indices[Q.indptr[row - balances]]]
+        return of_grain
+    loop = np.maximum(row - balances, 0)
+    return np.where(row < balances, of_grain, of_contact[Q.indices[Q.indptr[loop]]])
 
 
 def _of_loads(equation: ForceEquation, noise: NoiseModel) -> int:

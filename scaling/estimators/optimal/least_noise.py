@@ -32,7 +32,7 @@ from packing.arguments.arrays import Floats
 from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
 from scaling.algebra.evidence import Solved, accepted
 from scaling.equation.force_equation import ForceEquation, force_equation
-from scaling.equation.global_moments import global_moments
+from scaling.equation.global_moments import moments_left_free
 from scaling.equation.places import places_of
 from scaling.estimators.optimal.load_conditions import load_columns, row_scale
 from scaling.estimators.optimal.stress_conditions import stress_conditions
@@ -64,7 +64,7 @@ def geometric_problem(
     of_stress = [stress.of_noise(B) / noise.unit]
     if equation.frictional:
         matrices.transverse.require_full_rank()
-        free = global_moments(network)
+        free = moments_left_free(equation, noise.loads)
         blocks += [-matrices.M_tangential, free]
         of_stress += [stress.rows[:, c:], csr_array((len(stress.sums), free.shape[1]))]
         at.append(matrices.balancing.places)

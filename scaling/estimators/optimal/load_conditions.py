@@ -17,12 +17,18 @@ from packing.arguments.arrays import Floats
 from scaling.equation.force_equation import ForceEquation
 from scaling.noise.noise_model import NoiseModel
 
+WEAK = 1e3
+"""Noise of the overlaps, times κ, beyond which an error of a load is as good as infinite."""
 
-def with_load_noise(noise: NoiseModel, errors: csr_array) -> NoiseModel:
+
+def with_load_noise(equation: ForceEquation, noise: NoiseModel, errors: csr_array) -> NoiseModel:
     """The noise with a source more for each column of E; it moves no grain."""
     m = errors.shape[1]
     if not m:
         return noise
+    size = np.sqrt(np.asarray(errors.multiply(errors).sum(axis=0)).ravel())
+    most = WEAK * equation.stiffness * noise.xi * noise.unit
+    errors = csr_array(errors @ diags_array(np.minimum(1.0, most / size)))
     radii, positions = (
         csr_array(hstack([L, csr_array((L.shape[0], m))])) for L in (noise.radii, noise.positions)
     )

@@ -178,7 +178,7 @@ class Optimal(LinearEstimator):
         κ = self.stiffness(equation)
         ξ = None if self.xi is None else real_number("xi", self.xi)
         plain = noise_model(equation.network, self.noise, self.covariance, ξ)
-        plain = with_load_noise(plain, load_errors(equation, self.loads))
+        plain = with_load_noise(equation, plain, load_errors(equation, self.loads))
         model = with_stress_noise(plain, self.told)
         found = optimal_forces(equation, κ, model, self.data, self.told)
         η = found[1] / model.xi

@@ -33,8 +33,8 @@ def load_errors(equation: ForceEquation, told: Any) -> csr_array:
     `told`: a number, the standard deviation of each force on grains that bear a load (of torques
     that times R) and of each wall's that was weighed; or (N, 3) of F_x, F_y and T; or 3N
     variances, or a covariance, of (F_x ; F_y ; T), all F_x first, and then of the w walls that
-    were weighed, if they are told: 3N or 3N + w. Zeros are exact, None is all exact. ValueError: none of these,
-    or net forces that even so are too far from 0.
+    were weighed, if they are told: 3N or 3N + w. Zeros are exact, None is all exact. ValueError:
+    none of these, or net forces that even so are too far from 0.
     """
     if told is None:
         return csr_array((equation.M.shape[0], 0))
