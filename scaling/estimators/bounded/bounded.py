@@ -76,6 +76,9 @@ class Bounded(Estimator):
         What forces are before anything is measured, a `Prior`
     gaps : bool
         Whether contacts of the list may be open, with data="all"
+    closed : array_like, optional
+        (c,) probabilities that contacts of the list bear a force at all, see
+        `scaling.estimators.told.contacts`
     estimate : str
         "maximum" of the posterior, or its "mean", by draws (up to a few thousand grains)
     draws, seed : int
@@ -110,6 +113,7 @@ class Bounded(Estimator):
     data: str = "all"
     prior: Prior = Prior()  # noqa: RUF009  # frozen
     gaps: bool = False
+    closed: ArrayLike | None = None
     estimate: str = "maximum"
     draws: int = 60
     seed: int = 0
@@ -206,7 +210,7 @@ class Bounded(Estimator):
         return posterior_of(
             equation, μ, None if self.blind else model,
             pressure=self.pressure, stress=self.stress, data=self.data, prior=self.prior,
-            gaps=self.gaps, loads=self.loads,
+            gaps=self.gaps, loads=self.loads, closed=self.closed,
         )  # fmt: skip
 
     @property

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_array
 
-from packing.arguments.arrays import Floats
+from packing.arguments.arrays import Floats, real_array
 from packing.arguments.numbers import choice, flag, instance, number_from_zero
 from packing.contact_law import ContactLaw
 from scaling.equation.force_equation import ForceEquation, force_equation
@@ -56,6 +56,8 @@ class Posterior:
     stress: MeanStress = NOTHING
     load_errors: csr_array = field(default_factory=lambda: csr_array((0, 0)))
     """E (rows of M, l) of `scaling.estimators.told.loads`."""
+    closed: Floats | None = None
+    """(c,) probability that each contact bears a force; None: all do."""
 
     @property
     def floats(self) -> bool:
@@ -82,8 +84,9 @@ class Posterior:
 
     @property
     def mean_force(self) -> float:
-        """f̄ = Σ f_n r/Σ r, the unit of the program and the mean of the prior."""
-        return self.virial / float(self.lengths.sum())
+        """f̄ = Σ f_n r/Σ P r, unit of the program and mean of the prior; P = 1 unless told."""
+        weights = 1.0 if self.closed is None else self.closed
+        return self.virial / float((weights * self.lengths).sum())
 
     @property
     def scatter(self) -> Floats:
@@ -120,6 +123,7 @@ def posterior_of(  # noqa: PLR0913  (what is known)
     gaps: bool = False,
     stress: Mapping[str, Told] | None = None,
     loads: ArrayLike | None = None,
+    closed: ArrayLike | None = None,
 ) -> Posterior:
     """Collect a posterior; `noise` None means that neither sizes nor distances are known (ξ = ∞).
 
@@ -128,7 +132,8 @@ def posterior_of(  # noqa: PLR0913  (what is known)
     exponential prior, its mean the standard deviation of σ̃ - r̃: for lists inferred from the
     geometry, where some are false. `pressure`, components of the mean `stress` and errors of the
     `loads` as in `scaling.estimators.told`. ValueError: bad input, or gaps where a contact is
-    known without noise.
+    known without noise. `closed` (c,): probabilities that contacts bear a force at all, see
+    `scaling.estimators.told.contacts`.
     """
     network = equation.network
     choice("data", data, ("all", "sizes"))
@@ -151,11 +156,24 @@ def posterior_of(  # noqa: PLR0913  (what is known)
         virial = _virial_of_part(equation, told, errors, seen)
     else:
         virial = _likely_virial(equation, told, seen if is_unknown(pressure) else None)
-    collected = Posterior(equation, noise, friction, virial, data, prior, gaps, told, errors)
+    collected = Posterior(
+        equation, noise, friction, virial, data, prior, gaps, told, errors,
+        _probabilities(closed, network.contacts),
+    )  # fmt: skip
     if gaps and not collected.scatter.all():
         e = int(np.argmin(collected.scatter))
         raise ValueError(f"gaps: the overlap of contact {e} is known without noise")
     return collected
+
+
+def _probabilities(closed: ArrayLike | None, contacts: int) -> Floats | None:
+    if closed is None:
+        return None
+    P = real_array("closed", closed, (contacts,), "contact")
+    if ((P <= 0) | (P > 1)).any():
+        e = int(np.argmax((P <= 0) | (P > 1)))
+        raise ValueError(f"closed: contact {e} has the probability {P[e]:g}, expected 0 < P <= 1")
+    return P
 
 
 def _friction(equation: ForceEquation, friction: float | None) -> float:

@@ -98,9 +98,7 @@ def program_of(
     strength = 0.0 if p.noise is None else p.stiffness * p.noise.xi / f0
     scatter = strength * p.scatter
     g = max(1.0, float(np.sqrt(np.mean(scatter**2))))
-    η0, width, mean = np.zeros(k), np.full(n, float(p.prior.normal)), np.zeros(n)
-    width[c:] = p.prior.tangential
-    mean[:c] = p.prior.mean
+    η0, (mean, width) = np.zeros(k), p.prior.of_contacts(c, n, p.closed)
     if shift is not None:
         η0, mean = g * shift[0], mean + width * shift[1]
 
@@ -154,6 +152,14 @@ def program_of(
         P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit, p,
         n + k + s + u - 1, told.growing, (n + k + s - l, n + k + s),
     )  # fmt: skip
+
+
+def shift_sizes(posterior: Posterior) -> tuple[int, int, int, int, int]:
+    """Numbers of standard normals in a `Shift`."""
+    k = 0 if posterior.noise is None else posterior.noise.count
+    equation = posterior.equation
+    told, loads = posterior.stress.noisy, posterior.load_errors.shape[1]
+    return k, equation.unknowns, equation.network.contacts, told, loads
 
 
 def _zeros(rows: int, *columns: int) -> list[csr_array]:

@@ -223,7 +223,7 @@ def test_free_grains_leave_exact_data_exact_whatever_their_loads(method):
 def test_the_forces_found_across_a_cut_are_the_loads_that_inside_needs():
     """`transverse` with free outer grains, and of the inner grains alone, loaded by what it
     found."""
-    p, part, f, outer = region()
+    _, part, f, outer = region()
     c = part.contacts
     network = part.freed(outer)
     found = reconstruct(network, None, "transverse", normal_forces=f[:c])
