@@ -17,7 +17,6 @@ from scaling import (
     ContactNetwork,
     amplification,
     cramer_rao,
-    error_map,
     flat_guess,
     mean_force,
     perturb,
@@ -38,7 +37,7 @@ FAIR = 1e-4
 """Δ at which `optimal` and `bounded` are told the mean stress besides."""
 METHODS = ("gppsz", "balanced", "direct", "optimal", "bounded")
 STRESSED = {"optimal, stress": "optimal", "bounded, stress": "bounded"}
-LINEAR = ("gppsz", "balanced", "direct", "optimal", "optimal, stress")
+LINEAR = ("gppsz", "balanced", "direct", "optimal")
 TABLE = np.dtype(
     [
         ("noise", "U8"), ("delta", float), ("ratio", float), ("method", "U16"), ("error", float),
@@ -104,13 +103,8 @@ def prefactors_of(p: Packing, noise: str) -> dict[str, float]:
     if noise == "position":
         forces |= {"stiffness": p.stiffness}
         given = {"forces": p.forces, "stiffness": p.stiffness}
-    C = {m: amplification(network, m, noise, **forces) for m in LINEAR if "optimal" not in m}
+    C = {m: amplification(network, m, noise, **forces) for m in LINEAR if m != "optimal"}
     C["optimal"] = cramer_rao(network, noise, **given).gain * p.pressure / mean_force(p)
-    if p.delta == FAIR:
-        if noise == "diameter":
-            given |= {"stiffness": p.stiffness, "forces": p.forces}
-        told = error_map(network, "optimal", noise, stress=stress_of(p), **given)
-        C["optimal, stress"] = told.gain * p.pressure / mean_force(p)
     return C
 
 
