@@ -31,7 +31,7 @@ from scaling.estimators.bounded.program import Program, Shift, program_of, shift
 
 _SHIFT = 1e-10
 """Keeps redundant conditions apart; refined away."""
-ACCURATE = 1e-9
+ACCURATE = 1e-6
 """What refinement may leave of the right-hand side: far less than draws scatter."""
 _REFINEMENTS = 20
 

@@ -63,7 +63,7 @@ def test_draws_balance_and_some_pull():
 def test_intervals_lose_nothing_when_they_are_cut_off_at_what_is_possible():
     """They hold every possible force that they held; their ends are possible."""
     p, told = problem()
-    sample = gaussian_draws(told, np.random.default_rng(0), 40, progress=False)
+    sample = gaussian_draws(told, np.random.default_rng(0), 20, progress=False)
     low, high = enclosing(sample, 0.9)
     cut = possible(told, low, high)
     slack = 1e-6 * told.mean_force
@@ -73,7 +73,7 @@ def test_intervals_lose_nothing_when_they_are_cut_off_at_what_is_possible():
     assert (abs(cut[1][c:]) <= told.friction * cut[1][:c] + slack).all()
     assert np.sum(cut[1] - cut[0]) < np.sum(high - low)
     same = posterior_intervals(
-        told, np.random.default_rng(0), draws=40, method="gaussian", progress=False
+        told, np.random.default_rng(0), draws=20, method="gaussian", progress=False
     )
     np.testing.assert_array_equal(same, cut)
 
@@ -88,7 +88,7 @@ def test_they_cover_what_draws_within_the_inequalities_do_not():
         posterior = told.posterior(force_equation(network_of(p)).with_law(p.stiffness))
         for method, values in found.items():
             rng = np.random.default_rng(seed)
-            ends = posterior_intervals(posterior, rng, draws=40, method=method, progress=False)
+            ends = posterior_intervals(posterior, rng, draws=20, method=method, progress=False)
             values.append(coverage(*ends, p.forces, 1e-6 * posterior.mean_force))
     assert np.mean(found["gaussian"]) == pytest.approx(0.9, abs=6 * 0.04 / np.sqrt(6))
     assert np.mean(found["exact"]) < 0.82
