@@ -34,7 +34,7 @@ def plot(table: np.ndarray) -> Figure:
     a.set(xscale="log", ylabel="share of contacts", ylim=(0, None))
     a.set_title(rf"(a) contacts misread, $\Delta={power_of_ten(DELTA)}$", loc="left")
     a.legend(loc="upper left")
-    named = {"known": "list known", "inferred": "best list in hindsight", "from gaps": "no list"}
+    named = {"known": "list known", "inferred": "best list", "from gaps": "no list"}
     for method in ("gppsz", "bounded"):
         for kind, style in (("known", "-"), ("inferred", "--"), ("from gaps", ":")):
             if f"{method} {kind}" not in contacts["method"]:
