@@ -5,7 +5,8 @@ fewest wrong, as fractions of the true number, means over packings.  (b) The err
 known, and inferred, averaged over the union of both lists, with force 0 where a contact is in one
 only: for gppsz with that threshold; for `bounded`, whose contacts may then be open, with the
 better of two thresholds in hindsight, that is by the true error (none is feasible where too many
-contacts are missed).  (c) A wrong scale
+contacts are missed); and without any hindsight, each pair closed with the probability that the
+gaps alone give it (dotted).  (c) A wrong scale
 of the radii, and rounding of radii or of coordinates; the CSV also has spread stiffness.
 """
 
@@ -33,12 +34,15 @@ def plot(table: np.ndarray) -> Figure:
     a.set(xscale="log", ylabel="share of contacts", ylim=(0, None))
     a.set_title(rf"(a) contacts misread, $\Delta={power_of_ten(DELTA)}$", loc="left")
     a.legend(loc="upper left")
+    named = {"known": "list known", "inferred": "best list", "from gaps": "no list"}
     for method in ("gppsz", "bounded"):
-        for kind, style in (("known", "-"), ("inferred", "--")):
+        for kind, style in (("known", "-"), ("inferred", "--"), ("from gaps", ":")):
+            if f"{method} {kind}" not in contacts["method"]:
+                continue
             mine = np.sort(contacts[contacts["method"] == f"{method} {kind}"], order="ratio")
             b.errorbar(
                 mine["ratio"], mine["value"], mine["value_sd"], linestyle=style, marker="o",
-                color=COLOURS[method], label=f"{method}, list {kind}", markerfacecolor="white",
+                color=COLOURS[method], label=f"{method}, {named[kind]}", markerfacecolor="white",
             )  # fmt: skip
     b.set(xscale="log", yscale="log", ylabel="relative error $E$")
     b.set_title("(b) error with contacts known and inferred", loc="left")

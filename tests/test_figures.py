@@ -204,12 +204,15 @@ def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
         assert np.all(best["error"] < 4 * best["bound"])
         assert np.all(best["error"] > best["bound"] / 4)
         assert exact.sum() == (5 if noise == "diameter" else 4)
+    fair = {m: here[here["method"] == m]["error"] for m in estimator_errors.STRESSED}
+    assert np.all(fair["bounded, stress"] < fair["optimal, stress"])
+    assert np.all(fair["optimal, stress"] < 1.2 * best["error"])
     last = here[(here["method"] == "bounded") & (here["ratio"] == 100)][0]
     assert last["error"] < last["flat"]
     assert 1 / 1.5 < last["error"] / last["prior"] < 1.5
     empty = table[(table["delta"] == 1e-2) & (table["ratio"] == 10)]
     assert np.isnan(empty["error"]).all()
-    assert estimator_errors.text(table).count("\n| diameter | ") == 18
+    assert estimator_errors.text(table).count("\n| diameter | ") == 20
     failed = table.copy()
     failed["error"][failed["method"] == "bounded"] = np.nan  # the bound is no worse for that
     rows = [
@@ -217,7 +220,7 @@ def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
     ]
     assert rows[0] == rows[1]
     assert rows[0][0].count("|  |") == 1  # Δ = 0.01: ξ = 10 Δ and 100 Δ exceed 0.05
-    assert len(table) == 150
+    assert len(table) == 170
     drawn("fig4", tmp_path, table, estimator_errors.facts(packings, SMALL))
 
 

@@ -46,6 +46,8 @@ class ForceEquation:
         The contact law, if one was told: see `with_law`
     told_overlaps : numpy.ndarray
         (c,) overlaps that stand for those of the network: see `with_overlaps`
+    told_balance : numpy.ndarray
+        (rows of M,) that stand for the loads of the network: see `with_balance`
 
     Examples
     --------
@@ -62,6 +64,7 @@ class ForceEquation:
     winding: bool
     law: ContactLaw | None = None
     told_overlaps: Floats | None = None
+    told_balance: Floats | None = None
 
     def with_law(self, stiffness: ArrayLike | ContactLaw) -> ForceEquation:
         """The same equation with a contact law.
@@ -85,6 +88,10 @@ class ForceEquation:
     def with_overlaps(self, overlaps: Floats) -> ForceEquation:
         """The same equation as if the overlaps (c,) were these: all that sizes enter by."""
         return replace(self, told_overlaps=overlaps)
+
+    def with_balance(self, rhs: Floats) -> ForceEquation:
+        """The same equation as if -|F_ext⟩, in the order of the rows of M, were this."""
+        return replace(self, told_balance=rhs)
 
     # --- the contact law ------------------------------------------------------------------
 
@@ -163,6 +170,8 @@ class ForceEquation:
 
     def balance_rhs(self) -> Floats:
         """-|F_ext⟩ in the order of the rows of M, torques divided by R_i."""
+        if self.told_balance is not None:
+            return self.told_balance
         return self.matrices.balancing.rhs(self.network)
 
     def overlap_sums(self) -> Floats:

@@ -9,11 +9,16 @@ grain, say) are counted one by one.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
+from scaling.equation.force_equation import ForceEquation
+from scaling.equation.strain import strain_of
 from scaling.geometry.bodies import held_components, weighed
 from scaling.geometry.contact_network import ContactNetwork
+
+_WELL_ABOVE = 30.0
+"""Times the O(Δ) that lever arms are off by: what a moment errs by where it is a condition."""
 
 
 def global_moments(network: ContactNetwork) -> csr_array:
@@ -45,3 +50,25 @@ def global_moments(network: ContactNetwork) -> csr_array:
         v = np.concatenate([-y[:, 1], y[:, 0], turned, np.zeros(walls)])
         columns.append(v / np.linalg.norm(v))
     return csr_array(np.column_stack(columns)) if columns else none
+
+
+def moments_left_free(equation: ForceEquation, load_errors: csr_array | None) -> csr_array:
+    """`global_moments` of an equation with friction, none without; but for those of components
+    whose loads err by far more than the O(Δ) by which lever arms are off: they are then conditions
+    as all others, that the loads can meet.
+
+    `load_errors`: E (rows of M, l) of `scaling.estimators.told.loads`, None for exact loads.
+    """
+    if not equation.frictional:
+        return csr_array((equation.M.shape[0], 0))
+    columns = global_moments(equation.network)
+    if load_errors is None or not load_errors.shape[1] or not columns.shape[1]:
+        return columns
+    error = columns.T @ load_errors
+    error = np.sqrt(np.asarray(error.multiply(error).sum(axis=1)).ravel())
+    off = strain_of(equation.network) * (abs(columns).T @ abs(equation.balance_rhs()))
+    by_column, active = csc_array(columns), equation.network.active
+    first = by_column.indices[by_column.indptr[:-1]] % len(active)
+    # Parts that bridges join bear the loads of each other.
+    component = equation.network.forest.component[active[first]]
+    return csr_array(columns[:, ~np.isin(component, component[error > _WELL_ABOVE * off])])

@@ -46,7 +46,7 @@ _MOMENT = 3.0
 def refuse_unbalanced(equation: ForceEquation) -> None:
     """ValueError, with numbers and the likely cause, where Σ F or Σ (x × F + T) is not 0.
 
-    A scene without loads costs nothing.
+    A scene without loads costs nothing. Loads with error bars: `scaling.estimators.told.loads`.
     """
     network = equation.network
     if network.external.any():

@@ -1,9 +1,9 @@
 """Combinations of balances that any contact forces meet, whatever they are.
 
 Contacts between grains do nothing to a connected part as a whole: its two forces, and its moment
-unless it winds the cell, are balanced by walls and by grains that are glued to them, or not at
-all. Of these sums, and of the rows of weighed walls, the rank is that of what the contacts with
-walls and glued grains do in them; what is left is trivial. Lever arms are those of touching
+unless it winds the cell, are balanced by walls and by grains that are glued to them or free, or
+not at all. Of these sums, and of the rows of weighed walls, the rank is that of what the contacts
+with walls and such grains do in them; what is left is trivial. Lever arms are those of touching
 grains.
 """
 
@@ -15,15 +15,14 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from packing.arguments.arrays import Floats, Integers
-from packing.boundary.walls import FREE
-from scaling.geometry.bodies import glued_to, pushed, wall_count, weighed
+from scaling.geometry.bodies import pushed, wall_count, weighed, without_balance
 from scaling.geometry.contact_network import ContactNetwork
 
 
 def trivial_balances(network: ContactNetwork, frictional: bool) -> int:
     """Their number."""
     forest, active = network.forest, network.active
-    if network.walls is None:
+    if network.walls is None and not network.free.any():
         rank = forest.winding_rank[np.unique(forest.component[active])]
         return int(np.where(rank == 0, 3, 2).sum())
     part, winds = _parts(network)
@@ -39,9 +38,9 @@ def trivial_balances(network: ContactNetwork, frictional: bool) -> int:
 
 
 def _outer_contacts(network: ContactNetwork) -> tuple[Integers, Integers, Floats]:
-    """Contacts with walls and glued grains, the grain of each that balances, ±1 if it is the
-    first or the second end."""
-    body = np.append(glued_to(network) != FREE, np.ones(wall_count(network), dtype=bool))
+    """Contacts with walls and grains that do not balance, the grain of each that does, ±1 if it is
+    the first or the second end."""
+    body = np.append(without_balance(network), np.ones(wall_count(network), dtype=bool))
     i, j = network.pairs.T
     outer = np.flatnonzero(body[i] | body[j])
     second = body[i[outer]]

@@ -72,6 +72,8 @@ class Direct(LinearEstimator):
         """The law, then equilibrium."""
         refuse_unused_friction(equation, self.friction)
         network, δ = equation.network, equation.overlaps
+        if network.free.any() and not equation.frictional:
+            raise ValueError("free is not used: method 'direct' without friction asks no balance")
         fn = self.law(equation).force(δ)
         if equation.frictional:
             return transverse_to(self, equation, fn)

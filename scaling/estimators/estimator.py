@@ -16,6 +16,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
+import numpy as np
+
 from packing.arguments.arrays import Floats
 from packing.arguments.numbers import shown
 from packing.contact_law import ContactLaw
@@ -71,6 +73,9 @@ class Estimator(ABC):
         """
         if self.uses_overlaps(equation):
             refuse_deep_overlaps(equation.network)
+        self.refuse_free(equation)
+        if self.errs(equation):
+            return self.find(equation)
         refuse_unbalanced(equation)
         try:
             found = self.find(equation)
@@ -79,6 +84,25 @@ class Estimator(ABC):
             raise
         refuse_mechanisms(equation, found.forces)
         return found
+
+    def errs(self, equation: ForceEquation) -> bool:
+        """Whether loads are told with error bars: then `find` judges them."""
+        return False
+
+    def refuse_free(self, equation: ForceEquation) -> None:
+        """ValueError: a contact of two free grains, whose tangential force is in no balance."""
+        network = equation.network
+        if not (equation.frictional and network.free.any()):
+            return
+        i, j = network.pairs[: network.inner].T
+        lost = np.flatnonzero(network.free[i] & network.free[j])
+        if len(lost):
+            e = lost[0]
+            raise ValueError(
+                f"contact {e} joins grains {i[e]} and {j[e]}, both free, one of {len(lost)}: its "
+                f"tangential force is in no balance, and method {self.name!r} cannot find it; "
+                "leave such contacts out, or ask 'bounded', which has a prior"
+            )
 
     @abstractmethod
     def find(self, equation: ForceEquation) -> Reconstruction:

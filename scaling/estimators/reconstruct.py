@@ -30,6 +30,7 @@ def reconstruct(
     method: str = "gppsz",
     *,
     frictional: bool = True,
+    free: ArrayLike | None = None,
     **options: Any,
 ) -> Reconstruction:
     """Find the contact forces of `network`; loads are those of `network.external`.
@@ -48,11 +49,14 @@ def reconstruct(
         "gppsz", "direct", "transverse", "balanced", "optimal" or "bounded"
     frictional : bool
         False: no tangential forces, no torques
+    free : (N,) array of bool, or array of int, optional
+        Grains whose balance is not required, as at the edge of an image: see
+        `ContactNetwork.freed`
     **options : object
         Those of the estimator, see `scaling.estimators`: Gppsz (solver, tol),
         Direct (friction, solver, tol), Transverse (normal_forces, friction, solver, tol),
-        Balanced (none), Optimal (xi, noise, covariance, data), Bounded (friction, pressure, xi,
-        noise, covariance, data, prior, gaps, progress)
+        Balanced (none), Optimal (xi, noise, covariance, data, stress, loads), Bounded (friction,
+        pressure, stress, loads, xi, noise, covariance, data, prior, gaps, estimate, progress)
 
     Returns
     -------
@@ -86,5 +90,6 @@ def reconstruct(
     """
     instance("network", network, ContactNetwork)
     made = estimator(method, options)
+    network = network if free is None else network.freed(free)
     equation = force_equation(network, flag("frictional", frictional))
     return made.solve(equation if stiffness is None else equation.with_law(stiffness))

@@ -8,6 +8,7 @@ load balances that.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
 from packing.arguments.arrays import Floats, Integers
@@ -30,6 +31,11 @@ def glued_to(network: NetworkData) -> Integers:
     if network.walls is None:
         return np.full(network.grains, FREE)
     return network.walls.glued_grains(network.grains)
+
+
+def without_balance(network: NetworkData) -> NDArray[np.bool_]:
+    """(N,) grains that have no rows in balance though they may have contacts: glued or free."""
+    return np.asarray((glued_to(network) != FREE) | network.free)
 
 
 def ends(network: NetworkData, second: float) -> csr_array:
@@ -69,10 +75,11 @@ def _bodies_of_walls(network: NetworkData) -> list[csr_array]:
 
 
 def held_components(network: NetworkData) -> Integers:
-    """Labels of the components (of `network.forest`) that touch a wall, or hold glued grains."""
+    """Labels of the components (of `network.forest`) that touch a wall, or hold glued or free
+    grains."""
     component = network.forest.component
     at_wall = network.pairs[network.inner :, 0]
-    stuck = np.flatnonzero((glued_to(network) != FREE) & (network.degrees > 0))
+    stuck = np.flatnonzero(without_balance(network) & (network.degrees > 0))
     return np.unique(component[np.concatenate([at_wall, stuck])])
 
 

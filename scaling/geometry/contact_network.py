@@ -30,6 +30,7 @@ from scaling.geometry.coarse_coordinates import warn_if_coarse
 from scaling.geometry.fields import changed, given
 from scaling.geometry.high_precision import NO_LOW_PARTS, LowParts
 from scaling.geometry.network_data import NetworkData
+from scaling.geometry.shared import Shared
 from scaling.geometry.topology.topology import Topology
 from scaling.geometry.topology.ways import Places
 from scaling.geometry.topology.wiring import Wiring
@@ -250,7 +251,7 @@ class ContactNetwork(NetworkData):
             walls=cuts.walls_of_part(self, keep),
         )
         index = frozen(np.flatnonzero(keep))
-        new.__dict__.update(contact_index=index, load_rounding=self.load_rounding)
+        new.__dict__.update(contact_index=index, load_rounding=self.load_rounding, free=self.free)
         return new
 
     def unwrapped(self) -> ContactNetwork:
@@ -275,6 +276,7 @@ class ContactNetwork(NetworkData):
             contact_index=self.contact_index,
             directions_measured=self.directions_measured,
             load_rounding=self.load_rounding,
+            free=self.free,
         )
         return new
 
@@ -286,6 +288,42 @@ class ContactNetwork(NetworkData):
         rattler stays as a grain without contacts); `contact_index` says which contacts were kept.
         """
         return self.selected(cuts.bearing(self, frictional), self.external)
+
+    def freed(self, free: ArrayLike) -> ContactNetwork:
+        """The same network without the balance of some grains, as at the edge of an image.
+
+        What else acts on them is not known: contacts that the image does not show, or loads. Their
+        sizes, places and contacts remain data.
+
+        Parameters
+        ----------
+        free : (N,) array of bool, or array of int
+            The grains, marked or listed; loads on them are not used.
+
+        Returns
+        -------
+        ContactNetwork
+            A network with equations of its own.
+
+        Raises
+        ------
+        ValueError
+            An unknown grain, or no grain with contacts left that balances.
+
+        Examples
+        --------
+        >>> from scaling import ContactNetwork
+        >>> row = ContactNetwork([[0, 0], [0.9, 0], [1.8, 0]], [0.5] * 3, [(0, 1), (1, 2)])
+        >>> row.freed([0, 2]).active.tolist()
+        [1]
+        """
+        free = frozen(self.free | cuts.grain_mask("free", free, self.grains))
+        new = object.__new__(ContactNetwork)
+        new.__dict__.update({k: self.__dict__[k] for k in NetworkData.__annotations__})
+        new.__dict__.update(free=free, shared=Shared())
+        if not len(new.active):
+            raise ValueError("free leaves no grain with contacts that balances")
+        return new
 
     def inside(
         self,

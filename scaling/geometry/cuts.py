@@ -51,7 +51,7 @@ def bearing(network: NetworkData, frictional: bool = True) -> NDArray[np.bool_]:
     """(c,) contacts left when rattlers are taken out: see `ContactNetwork.without_rattlers`."""
     need = fewest_contacts(flag("frictional", frictional))
     every = np.ones(network.contacts, dtype=bool)
-    held = np.asarray(network.external.any(axis=1))
+    held = np.asarray(network.external.any(axis=1) | network.free)
     if network.walls is not None:
         held |= network.walls.glued_grains(network.grains) != FREE
         held = np.append(held, np.ones(len(network.walls), dtype=bool))
@@ -76,7 +76,7 @@ def cut_out(
     tangential_forces: ArrayLike | None = None,
 ) -> Cut:
     """What is left of the network, and what acts on it: see `ContactNetwork.inside`."""
-    inner = _grain_mask(mask, network.grains)
+    inner = grain_mask("mask", mask, network.grains)
     i, j = network.pairs.T
     at_i = inner[i]
     # A wall is inside where the grain is that touches it.
@@ -127,19 +127,20 @@ def _size_of_cut(network: NetworkData, cut: NDArray[np.bool_], size: Floats) -> 
     return np.asarray(total, dtype=float)
 
 
-def _grain_mask(mask: ArrayLike, grains: int) -> NDArray[np.bool_]:
+def grain_mask(name: str, mask: ArrayLike, grains: int) -> NDArray[np.bool_]:
+    """(N,) booleans of grains marked or listed. ValueError: neither, or no such grains."""
     try:
         array = np.asarray(mask)
     except ValueError:  # rows of unequal length
         array = np.asarray(None)
     if isinstance(mask, np.ma.MaskedArray) or array.ndim != 1 or array.dtype.kind not in "biu":
-        raise ValueError(f"mask = {shown(mask)}: (N,) booleans or a list of grain numbers")
+        raise ValueError(f"{name} = {shown(mask)}: (N,) booleans or a list of grain numbers")
     if array.dtype == bool:
-        return truth_array("mask", mask, (grains,))
-    array = whole_array("mask", mask, (None,))
+        return truth_array(name, mask, (grains,))
+    array = whole_array(name, mask, (None,))
     unknown = (array < 0) | (array >= grains)
     if unknown.any():
-        raise ValueError(f"mask names grain {array[np.argmax(unknown)]} of {grains}")
+        raise ValueError(f"{name} names grain {array[np.argmax(unknown)]} of {grains}")
     inner = np.zeros(grains, dtype=bool)
     inner[array] = True
     return inner

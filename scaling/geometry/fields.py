@@ -72,6 +72,7 @@ def given(  # noqa: PLR0913  (the fields of a network)
         "contact_index": frozen(np.arange(len(ij))),
         "directions_measured": normals is not None,
         "load_rounding": 0.0,
+        "free": frozen(np.zeros(N, dtype=bool)),
         "walls": walls,
         "shared": Shared(),
         **_lengths(x, frozen(R), None if H is None else frozen(H), low),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from packing.arguments.arrays import Floats, Integers, frozen
 from packing.arguments.immutable import Immutable
@@ -38,6 +39,8 @@ class NetworkData(Immutable):
     """Whether `normals` were given, and stand for the directions."""
     load_rounding: float
     """Rounding of the loads relative to themselves, where they come from rounded forces."""
+    free: NDArray[np.bool_]
+    """(N,) grains whose balance is not required: see `ContactNetwork.freed`."""
     walls: Walls | None
     """Contact (i, N + w) is that of grain i with wall w, after all others."""
     topology: Topology
@@ -77,8 +80,9 @@ class NetworkData(Immutable):
 
     @cached_property
     def active(self) -> Integers:
-        """Grains with a contact that are glued to no wall: those that have rows in balance."""
-        touched = self.degrees > 0
+        """Grains with a contact that are glued to no wall, nor free: those that have rows in
+        balance."""
+        touched = (self.degrees > 0) & ~self.free
         if self.walls is not None:
             touched &= self.walls.glued_grains(self.grains) == FREE
         return frozen(np.flatnonzero(touched))

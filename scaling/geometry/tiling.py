@@ -61,6 +61,8 @@ def tiled(network: ContactNetwork, copies: int) -> ContactNetwork:
         raise ValueError("an open network cannot be tiled: it has no cell")
     if network.positions is None:
         raise ValueError("tiling needs positions: this network has directions only")
+    if network.free.any():
+        raise ValueError("a network with free grains cannot be tiled: where they lie is no period")
     _refuse_too_many(n, network.grains, network.contacts)
     place = np.array([[a, b] for a in range(n) for b in range(n)])
     x = (network.positions[None] + (place @ network.cell)[:, None]).reshape(-1, 2)

@@ -17,9 +17,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array, diags_array, issparse
+from scipy.sparse import csr_array, diags_array
 
-from packing.arguments.arrays import Floats, real_array
 from packing.arguments.immutable import Immutable, read_only
 from packing.arguments.numbers import instance, positive_number, real_number
 from packing.contacts import contact_list
@@ -34,9 +33,7 @@ from scaling.noise.conventions import (
     size_response,
     turning_response,
 )
-
-_ASYMMETRY = 1e-10
-"""Relative to √(C_aa C_bb): sums of a million products err by less, data by far more."""
+from scaling.noise.covariance import factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +48,7 @@ class NoiseModel(Immutable):
         of a source, and L has no unit
     unit : what L is measured in: ⟨σ⟩, or 1 for a covariance
     aside : so many of the sources, the last, act on no grain: noise of what else is told
+    loads : (rows of M, l) forces by which the loads err, of the first l of these
     """
 
     radii: csr_array
@@ -58,6 +56,7 @@ class NoiseModel(Immutable):
     xi: float
     unit: float = 1.0
     aside: int = 0
+    loads: csr_array | None = None
 
     def __post_init__(self) -> None:
         read_only((self.radii, self.positions))
@@ -132,57 +131,12 @@ def noise_model(
         return NoiseModel(sizes, csr_array((2 * N, N)), strength, network.mean_diameter)
     if noise != "diameter" or xi is not None:
         raise ValueError("covariance says all about the noise: noise and xi are not used with it")
-    L = _factor(covariance, N)
+    L = factor("covariance", covariance, (N, 3 * N))
+    if not L.shape[1]:
+        raise ValueError("covariance is 0: exact data need no estimate, use gppsz or direct")
     scale = float(np.sqrt((L.multiply(L)).sum() / max(L.shape[1], 1)))
     L = csr_array(L / scale)
     positions = L[N:] if L.shape[0] > N else csr_array((2 * N, L.shape[1]))
     if positions.nnz:
         check_moves(network)
     return NoiseModel(csr_array(L[:N]), csr_array(positions), scale)
-
-
-def _factor(covariance: Any, grains: int) -> csr_array:
-    """L with L Lᵀ = covariance, and no column for exact data."""
-    dense = covariance.toarray() if issparse(covariance) else covariance
-    matrix = real_array("covariance", dense)
-    n = matrix.shape[0] if matrix.ndim else 0
-    if n not in (grains, 3 * grains) or matrix.shape not in ((n,), (n, n)):
-        raise ValueError(
-            f"covariance has shape {matrix.shape}, expected {grains} or {3 * grains} "
-            "variances, or a square matrix of that size"
-        )
-    if matrix.ndim == 2:
-        matrix = _symmetric(matrix)
-    diagonal = matrix if matrix.ndim == 1 else matrix.diagonal()
-    if (diagonal < 0).any():
-        k = int(np.argmax(diagonal < 0))
-        raise ValueError(f"covariance: variance {k} is {diagonal[k]:.3g}, negative")
-    if not diagonal.any():
-        raise ValueError("covariance is 0: exact data need no estimate, use gppsz or direct")
-    if matrix.ndim == 1 or not (matrix - np.diag(diagonal)).any():
-        noisy = np.flatnonzero(diagonal)
-        values = np.sqrt(diagonal[noisy])
-        return csr_array((values, (noisy, np.arange(len(noisy)))), shape=(n, len(noisy)))
-    λ, U = np.linalg.eigh(matrix)
-    if λ[0] < -1e-12 * λ[-1]:
-        raise ValueError(f"covariance has the negative eigenvalue {λ[0]:.3g}")
-    kept = λ > 1e-14 * λ[-1]
-    return csr_array(U[:, kept] * np.sqrt(λ[kept]))
-
-
-def _symmetric(matrix: Floats) -> Floats:
-    """The mean of `matrix` and its transpose, if they differ by rounding only.
-
-    Rounding of entry (a, b) is a multiple of ε √(C_aa C_bb), the scale of what it was computed
-    from, whatever the entry itself is: 0 may come out as ±1e-17 of it.
-    """
-    scale = np.sqrt(abs(matrix.diagonal()))
-    allowed = _ASYMMETRY * np.maximum(np.outer(scale, scale), abs(matrix))
-    off = abs(matrix - matrix.T) - allowed
-    if (off > 0).any():
-        a, b = np.unravel_index(int(np.argmax(off)), off.shape)
-        raise ValueError(
-            f"covariance is not symmetric: entry ({a}, {b}) is {matrix[a, b]:.6g} and entry "
-            f"({b}, {a}) {matrix[b, a]:.6g}"
-        )
-    return (matrix + matrix.T) / 2

@@ -1,18 +1,25 @@
 """Credible intervals per contact, of draws from the posterior of `bounded`.
 
-Draws are projected (`scaling.estimators.bounded.draws.projected_draws`), an approximation, or
-exact ones of the truncated Gaussian (`scaling.estimators.bounded.draws.exact_draws`); the
-intervals are quantiles of either, and their coverage has to be, and is, measured
-(docs/intervals.md).
+Three kinds of draws; the intervals are quantiles of either, and their coverage has to be, and is,
+measured (docs/intervals.md):
 
-It turns out that the exact ones enclose less: where constraints decide, what fails is the prior.
-Independent forces that balance are more alike than those of packings, whose f_n spread by 0.67
-to 0.70 f̄, against 0.52 to 0.56 in draws where nothing is measured. So for intervals the prior is
-taken `spread` = 2 times as wide as for the estimate (0.59 to 0.60); where data decide that hardly
-matters. Without friction the second order decides, and intervals are too narrow whatever `spread`.
+    projected   within the inequalities, an approximation (`...draws.projected_draws`)
+    exact       of the Gaussian cut off by them (`...draws.exact_draws`)
+    gaussian    of the Gaussian itself; the *intervals* are cut off at f_n >= 0, |f_t| <= μ f_n
+                (`...draws.gaussian_draws`)
+
+The exact ones enclose least: the measure is at fault, not the sampler. Balanced forces within the
+inequalities are mostly off their edges, where the preparation has left an eighth of the contacts,
+and they are more alike than those of packings: f_n spreads by 0.67 to 0.70 f̄ there, by 0.52 to
+0.56 in draws where nothing is measured. For projected and exact draws the prior is therefore
+taken `spread` = 2 times as wide as for the estimate. The Gaussian needs no factor, but has to be
+told how large transverse forces may be, which Coulomb's limit says to the others: ± 5/3 μ f̄, twice
+as much as if |f_t|/(μ f_n) were spread evenly from 0 to 1.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,9 +34,19 @@ from packing.arguments.numbers import (
 from scaling.equation.force_equation import ForceEquation
 from scaling.estimators.bounded.bounded import Bounded
 from scaling.estimators.bounded.draws.exact_draws import truncated_draws
+from scaling.estimators.bounded.draws.gaussian_draws import gaussian_draws
 from scaling.estimators.bounded.draws.posterior_mean import SPREAD, widened
 from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.estimators.bounded.posterior import Posterior
+
+MOBILISED = 5 / 3
+"""Standard deviation of f_t over μ f̄, of Gaussian draws: from the coverage at μ = 0.3, N = 100."""
+SAMPLERS = {
+    "projected": (posterior_draws, SPREAD),
+    "exact": (truncated_draws, SPREAD),
+    "gaussian": (gaussian_draws, 1.0),
+}
+"""Draws, and by how much wider their prior is than that of the estimate."""
 
 
 def posterior_intervals(
@@ -39,28 +56,51 @@ def posterior_intervals(
     draws: int = 50,
     level: float = 0.9,
     method: str = "projected",
-    spread: float = SPREAD,
+    spread: float | None = None,
     progress: bool | None = None,
 ) -> tuple[Floats, Floats]:
     """Lower and upper end, (2c,) each, that enclose a force with probability `level`.
 
     Quantiles of `draws` samples; the q-quantile of n of them is the order statistic q (n + 1), so
-    that enclosing holds on average over draws too. `method`: "projected" or "exact", `spread`: of
-    the prior, both see above. `progress`: None shows a bar on a terminal only, False never.
+    that enclosing holds on average over draws too. `method`: "projected", "exact" or "gaussian",
+    `spread`: of the prior, both see above. `progress`: None shows a bar on a terminal only, False
+    never.
     ValueError: level not in (0, 1), too few draws for it, or other bad input.
     """
     level = number_between("level", level, 0, 1)
     whole_number("draws", draws, 1)
-    choice("method", method, ("projected", "exact"))
+    choice("method", method, tuple(SAMPLERS))
     tail = (1 - level) / 2
     if draws * tail < 1 - 1e-9:
         raise ValueError(
             f"draws = {draws} cannot resolve tails of {tail:g}; "
             f"take at least {int(np.ceil(1 / tail - 1e-9))}"
         )
-    sampler = posterior_draws if method == "projected" else truncated_draws
-    sample = sampler(widened(posterior, spread), rng, draws, progress=progress)
-    return enclosing(sample, level)
+    sampler, usual = SAMPLERS[method]
+    if method == "gaussian":
+        posterior = limited(posterior)
+    wide = widened(posterior, usual if spread is None else spread)
+    low, high = enclosing(sampler(wide, rng, draws, progress=progress), level)
+    return (low, high) if method != "gaussian" else possible(posterior, low, high)
+
+
+def limited(posterior: Posterior) -> Posterior:
+    """The posterior with a prior for f_t as wide as the friction lets it be."""
+    if not posterior.equation.frictional or posterior.friction == 0:
+        return posterior
+    prior = replace(posterior.prior, tangential=MOBILISED * posterior.friction)
+    return replace(posterior, prior=prior)
+
+
+def possible(posterior: Posterior, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """The part of intervals that f_n >= 0 and |f_t| <= μ f_n allow: it holds what they hold."""
+    c, smooth = posterior.equation.network.contacts, not posterior.equation.frictional
+    low, high = low.copy(), high.copy()
+    low[:c], high[:c] = np.maximum(low[:c], 0.0), np.maximum(high[:c], 0.0)
+    if not smooth:
+        limit = posterior.friction * high[:c]
+        low[c:], high[c:] = np.clip(low[c:], -limit, limit), np.clip(high[c:], -limit, limit)
+    return low, high
 
 
 def credible_intervals(
@@ -71,7 +111,7 @@ def credible_intervals(
     draws: int = 50,
     level: float = 0.9,
     method: str = "projected",
-    spread: float = SPREAD,
+    spread: float | None = None,
 ) -> tuple[Floats, Floats]:
     """Intervals that enclose each force with a given probability.
 
@@ -88,9 +128,9 @@ def credible_intervals(
     level : float
         Probability, between 0 and 1
     method : str
-        "projected" or "exact", see `scaling.uncertainty.credible_intervals`
+        "projected", "exact" or "gaussian", see `scaling.uncertainty.credible_intervals`
     spread : float
-        Factor of the widths of the prior
+        Factor of the widths of the prior; by default 2, of "gaussian" 1
 
     Returns
     -------

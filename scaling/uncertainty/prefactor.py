@@ -131,6 +131,8 @@ def self_stress_gain(network: ContactNetwork, frictional: bool = True) -> float:
 def _dense_equation(network: ContactNetwork, frictional: bool) -> ForceEquation:
     instance("network", network, ContactNetwork)
     c, active = network.contacts, len(network.active)
+    if network.free.any():
+        raise ValueError("free grains: the closed forms of the prefactor have every grain balance")
     if c == 0:
         raise ValueError(f"the network of {network.grains} grains has no contacts")
     n = 2 * c if flag("frictional", frictional) else c

@@ -22,6 +22,7 @@ from scaling import (
     perturb,
     reconstruct,
     relative_error,
+    stress,
 )
 from studies.error_bars import one_digit
 from studies.packing_store import Edition
@@ -32,11 +33,14 @@ LARGEST_XI = 0.05
 LINEAR_UP_TO = 1e-3
 """ξ of positions in ⟨σ⟩ up to which first order is the whole: what is left out is O(ξ) of it."""
 SEED = 4
+FAIR = 1e-4
+"""Δ at which `optimal` and `bounded` are told the mean stress besides."""
 METHODS = ("gppsz", "balanced", "direct", "optimal", "bounded")
+STRESSED = {"optimal, stress": "optimal", "bounded, stress": "bounded"}
 LINEAR = ("gppsz", "balanced", "direct", "optimal")
 TABLE = np.dtype(
     [
-        ("noise", "U8"), ("delta", float), ("ratio", float), ("method", "U8"), ("error", float),
+        ("noise", "U8"), ("delta", float), ("ratio", float), ("method", "U16"), ("error", float),
         ("error_sd", float), ("packings", int), ("draws", int), ("bound", float), ("flat", float),
         ("prior", float), ("prior_sd", float),
     ]
@@ -59,7 +63,8 @@ def compute(packings: Sequence[Packing], edition: Edition) -> np.ndarray:
         for noise in ("diameter", "position"):
             prefactors = [prefactors_of(p, noise) for p in group]
             bound = np.mean([C["optimal"] for C in prefactors])
-            errors = {m: np.full((len(RATIOS), len(group)), np.nan) for m in METHODS}
+            methods = (*METHODS, *(STRESSED if group[0].delta == FAIR else ()))
+            errors = {m: np.full((len(RATIOS), len(group)), np.nan) for m in methods}
             for k, (p, C) in enumerate(zip(group, prefactors, strict=True)):
                 generators = np.random.default_rng(SEED + k).spawn(len(RATIOS))
                 for r, (ratio, rng) in enumerate(zip(RATIOS, generators, strict=True)):
@@ -99,8 +104,14 @@ def prefactors_of(p: Packing, noise: str) -> dict[str, float]:
         forces |= {"stiffness": p.stiffness}
         given = {"forces": p.forces, "stiffness": p.stiffness}
     C = {m: amplification(network, m, noise, **forces) for m in LINEAR if m != "optimal"}
-    bound = cramer_rao(network, noise, **given)
-    return C | {"optimal": bound.gain * p.pressure / mean_force(p)}
+    C["optimal"] = cramer_rao(network, noise, **given).gain * p.pressure / mean_force(p)
+    return C
+
+
+def stress_of(p: Packing) -> dict[str, float]:
+    """The components of the mean stress that are told: the true ones."""
+    σ = stress(ContactNetwork.from_packing(p), p.forces)
+    return {"xx": σ[0, 0], "xy": σ[0, 1], "yy": σ[1, 1]}
 
 
 def _errors(
@@ -111,18 +122,24 @@ def _errors(
     noisy = perturb(ContactNetwork.from_packing(p), xi, rng, noise)
     weights = {"xi": xi, "noise": noise, "data": "sizes" if noise == "diameter" else "all"}
     limits = {"friction": p.friction, "pressure": p.pressure}
-    arguments: dict[str, dict] = {m: {} for m in LINEAR} | {"optimal": weights}
+    arguments: dict[str, dict] = {m: {} for m in METHODS[:3]} | {"optimal": weights}
     if find_spec("clarabel"):
         arguments["bounded"] = weights | limits
+    if p.delta == FAIR:
+        told = {"stress": stress_of(p)}
+        arguments["optimal, stress"] = weights | told
+        if find_spec("clarabel"):
+            arguments["bounded, stress"] = weights | told | {"friction": p.friction}
     errors = {}
     for method, a in arguments.items():
         if method in LINEAR and linear(noise, xi):
             errors[method] = C[method] * ratio
             continue
         try:
-            errors[method] = relative_error(reconstruct(noisy, p.stiffness, method, **a), p)
+            name = STRESSED.get(method, method)
+            errors[method] = relative_error(reconstruct(noisy, p.stiffness, name, **a), p)
         except (ValueError, RuntimeError):
-            if method != "bounded":
+            if "bounded" not in method:
                 raise
             errors[method] = np.nan  # nothing feasible, or a breakdown of the solver
     return errors
@@ -149,7 +166,7 @@ def text(table: np.ndarray) -> str:
     lines = [head, "|---|---|---|" + "---|" * len(RATIOS)]
     for noise in ("diameter", "position"):
         for delta in sorted(DELTAS, reverse=True):
-            for method in METHODS:
+            for method in (*METHODS, *(STRESSED if delta == FAIR else ())):
                 mine = table[
                     (table["noise"] == noise)
                     & (table["delta"] == delta)

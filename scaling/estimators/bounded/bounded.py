@@ -64,6 +64,8 @@ class Bounded(Estimator):
     stress : mapping, optional
         Components "xx", "xy", "yx", "yy" of the mean stress of a cell, compression positive, each
         exact or with its standard deviation
+    loads : float or array_like, optional
+        How the loads of the network err, as for `Optimal`; by default they are exact
     xi, noise, covariance : float, str and array_like
         The noise of the data, see `scaling.noise.noise_model`; one of xi and
         covariance is needed. xi = inf: sizes and distances are not known at all; xi =
@@ -74,6 +76,9 @@ class Bounded(Estimator):
         What forces are before anything is measured, a `Prior`
     gaps : bool
         Whether contacts of the list may be open, with data="all"
+    closed : array_like, optional
+        (c,) probabilities that contacts of the list bear a force at all, see
+        `scaling.estimators.told.contacts`
     estimate : str
         "maximum" of the posterior, or its "mean", by draws (up to a few thousand grains)
     draws, seed : int
@@ -101,12 +106,14 @@ class Bounded(Estimator):
     friction: Told | None = None
     pressure: Told | None = None
     stress: Mapping[str, Told] | None = None
+    loads: ArrayLike | None = None
     xi: float | str | None = None
     noise: str = "diameter"
     covariance: ArrayLike | None = None
     data: str = "all"
     prior: Prior = Prior()  # noqa: RUF009  # frozen
     gaps: bool = False
+    closed: ArrayLike | None = None
     estimate: str = "maximum"
     draws: int = 60
     seed: int = 0
@@ -173,6 +180,13 @@ class Bounded(Estimator):
             exact["friction"] = self.friction[0]
         return replace(self, **{k: v for k, v in exact.items() if v is not None})
 
+    def errs(self, equation: ForceEquation) -> bool:
+        """Whether loads have error bars."""
+        return self.loads is not None
+
+    def refuse_free(self, equation: ForceEquation) -> None:
+        """What no balance determines is as the prior has it."""
+
     def uses_overlaps(self, equation: ForceEquation) -> bool:
         """Nowhere for ξ = ∞."""
         return not self.blind
@@ -196,7 +210,7 @@ class Bounded(Estimator):
         return posterior_of(
             equation, μ, None if self.blind else model,
             pressure=self.pressure, stress=self.stress, data=self.data, prior=self.prior,
-            gaps=self.gaps,
+            gaps=self.gaps, loads=self.loads, closed=self.closed,
         )  # fmt: skip
 
     @property
@@ -213,6 +227,8 @@ class Bounded(Estimator):
         misfit = None if self.blind else misfit_of_bounded(found.task, found.z)
         if misfit is not None:
             warn_if_implausible(misfit, told(made))
+        if self.loads is not None:
+            equation = equation.with_balance(found.task.balance_rhs(found.z))
         forces, mean = found.forces, None
         if self.estimate == "mean":
             settled = found.task.posterior
@@ -244,5 +260,6 @@ class Bounded(Estimator):
             curved=report.curved,
             freedom=None if misfit is None else misfit.most,
             settled=besides.settled,
+            loads=equation.told_balance,
             mean=besides.mean,
         )

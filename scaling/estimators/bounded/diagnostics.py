@@ -30,6 +30,8 @@ class BoundedDiagnostics(Diagnostics):
         profile over μ
     mean : PosteriorMean
         Of `estimate="mean"`, with the error that the number of draws leaves; else None
+    loads : numpy.ndarray
+        (rows of M,) -|F_ext⟩ without the errors found, where loads have an error bar; else None
     """
 
     noise: Floats
@@ -40,6 +42,7 @@ class BoundedDiagnostics(Diagnostics):
     freedom: float | None
     settled: Settled
     mean: PosteriorMean | None
+    loads: Floats | None
 
 
 class Besides(NamedTuple):

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from packing.arguments.arrays import Floats
 from packing.arguments.numbers import finite_number, positive_number
 
 
@@ -45,3 +48,15 @@ class Prior:
         finite_number("prior: mean", self.mean)
         positive_number("prior: normal", self.normal)
         positive_number("prior: tangential", self.tangential)
+
+    def of_contacts(
+        self, contacts: int, unknowns: int, closed: Floats | None = None
+    ) -> tuple[Floats, Floats]:
+        """(unknowns,) means and standard deviations, over f̄; `closed` (c,): the probability P
+        that a contact bears a force, 0 else: the mean is P m, the variance P (a² + m²) - P² m²."""
+        mean, width = np.zeros(unknowns), np.full(unknowns, float(self.normal))
+        mean[:contacts], width[contacts:] = self.mean, self.tangential
+        if closed is None:
+            return mean, width
+        P, m = np.tile(closed, unknowns // contacts), mean
+        return P * m, np.sqrt(P * (width**2 + m**2) - (P * m) ** 2)

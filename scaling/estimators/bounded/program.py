@@ -16,10 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import block_array, csr_array, diags_array, eye_array
+from scipy.sparse import block_array, csr_array, diags_array, eye_array, hstack
 
 from packing.arguments.arrays import Floats
-from scaling.equation.global_moments import global_moments
+from scaling.equation.global_moments import moments_left_free
 from scaling.estimators.bounded.posterior import Posterior
 from scaling.estimators.bounded.stress_data import stress_data
 
@@ -28,15 +28,15 @@ _NO_LIMIT = 1e8
 _WEAK = 0.1
 """Friction below which f_n >= 0 is asked for by itself."""
 
-Shift = tuple[Floats, Floats, Floats, Floats]
-"""Standard normals by which data, prior mean, second order, and the stress that was told with an
-error bar move: (k,), (n,), (c,) and (u,), the pressure first."""
+Shift = tuple[Floats, Floats, Floats, Floats, Floats]
+"""Standard normals by which data, prior mean, second order, and the stress and loads that were
+told with an error bar move: (k,), (n,), (c,), (u,), the pressure first, and (l,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
     """min ½ zᵀP z + qᵀz, equal z = b, cone z <= 0 in z = (φ ; g η ; free moments ; noise of the
-    stress ; t ; κ gap/f̄ ; second order), no t and φ = f/f̄ where f̄ is fixed."""
+    loads ; of the stress ; t ; κ gap/f̄ ; second order), no t and φ = f/f̄ where f̄ is fixed."""
 
     P: Floats
     q: Floats
@@ -54,6 +54,17 @@ class Program:
     """Of t in z."""
     growing: Floats | None = None
     """φ' (n,), where f̄ is not fixed."""
+    erring: tuple[int, int] = (0, 0)
+    """Where in z the noise of the loads begins and ends."""
+
+    def balance_rhs(self, z: Floats) -> Floats:
+        """-|F_ext⟩ with the errors of the loads that z has found taken out."""
+        p = self.posterior
+        told, E = p.equation.balance_rhs(), p.load_errors
+        if not E.shape[1]:
+            return told
+        mine = slice(*self.erring)
+        return told + E @ (z[mine] * np.sqrt(self.P[mine]))
 
     def forces(self, z: Floats) -> Floats:
         """f of z (n,), or of (n, draws)."""
@@ -87,15 +98,15 @@ def program_of(
     strength = 0.0 if p.noise is None else p.stiffness * p.noise.xi / f0
     scatter = strength * p.scatter
     g = max(1.0, float(np.sqrt(np.mean(scatter**2))))
-    η0, width, mean = np.zeros(k), np.full(n, float(p.prior.normal)), np.zeros(n)
-    width[c:] = p.prior.tangential
-    mean[:c] = p.prior.mean
+    η0, (mean, width) = np.zeros(k), p.prior.of_contacts(c, n, p.closed)
     if shift is not None:
         η0, mean = g * shift[0], mean + width * shift[1]
 
-    moments = csr_array((equation.M.shape[0], 0))
-    if equation.frictional:
-        moments = global_moments(equation.network)
+    moments = moments_left_free(equation, p.load_errors)
+    of_loads = p.load_errors / f0
+    size = np.maximum(1.0, np.sqrt(of_loads.multiply(of_loads).sum(axis=0)))
+    m, l, s = equation.M.shape[0], len(size), moments.shape[1]
+    moments = csr_array(hstack([moments, -of_loads @ diags_array(1 / size)]))
     turning, data, effect, found = data_rows(p, last / f0, strength / g, g)
     gaps = csr_array((len(found), c if p.gaps else 0))
     if p.gaps:
@@ -104,7 +115,7 @@ def program_of(
     if curved:
         found, slack, g_slack = _second_order(p, found, None if shift is None else shift[2])
     told = stress_data(p, last / f0, None if shift is None else shift[3])
-    m, s, v, w = equation.M.shape[0], moments.shape[1], gaps.shape[1], slack.shape[1]
+    s, v, w = s + l, gaps.shape[1], slack.shape[1]
     u, i = told.noise.shape[1], len(told.sums)
     equal = block_array(
         [
@@ -113,7 +124,9 @@ def program_of(
             [told.rows, *_zeros(i, k, s), told.noise, *_zeros(i, v, w)],
         ]
     )
-    b = [equation.balance_rhs() / f0 + turning @ η0, found + effect @ η0, told.sums]
+    ζ0 = np.zeros(l) if shift is None else shift[4]
+    rhs = equation.balance_rhs() / f0 + of_loads @ ζ0
+    b = [rhs + turning @ η0, found + effect @ η0, told.sums]
     limits = _cone(c, p.friction, equation.frictional)
     shut = [*_zeros(v, n, k, s, u), -eye_array(v), *_zeros(v, w)]
     held = limits.shape[0]
@@ -124,7 +137,8 @@ def program_of(
         [
             width**-2.0,
             np.full(k, g**-2.0),
-            np.zeros(s),
+            np.zeros(s - l),
+            size**-2.0,
             told.P,
             np.zeros(v),
             np.full(w, g_slack**-2.0),
@@ -136,8 +150,16 @@ def program_of(
     explicit = slice(m, m + (c if p.noise is not None and p.data == "all" else 0))
     return Program(
         P, q, csr_array(equal), np.concatenate(b), csr_array(cone), f0, g, n, k, explicit, p,
-        n + k + s + u - 1, told.growing,
+        n + k + s + u - 1, told.growing, (n + k + s - l, n + k + s),
     )  # fmt: skip
+
+
+def shift_sizes(posterior: Posterior) -> tuple[int, int, int, int, int]:
+    """Numbers of standard normals in a `Shift`."""
+    k = 0 if posterior.noise is None else posterior.noise.count
+    equation = posterior.equation
+    told, loads = posterior.stress.noisy, posterior.load_errors.shape[1]
+    return k, equation.unknowns, equation.network.contacts, told, loads
 
 
 def _zeros(rows: int, *columns: int) -> list[csr_array]:

@@ -39,10 +39,11 @@ class StressData:
 def stress_data(p: Posterior, last: Floats, shift: Floats | None) -> StressData:
     """At f/f̄ = `last`; `shift` moves what has an error bar by so many of them, the pressure first.
 
-    None on open networks, where balance implies the mean force."""
+    None on open networks, where balance implies the mean force, and with free grains, where other
+    contacts share the stress."""
     network, n = p.equation.network, p.equation.unknowns
     area = network.boundary.area
-    if area is None:
+    if area is None or network.free.any():
         none = csr_array((0, n))
         return StressData(none, np.zeros(0), csr_array((0, 0)), np.zeros(0), np.zeros(0))
     pressure, told = p.stress.pressure, p.stress

@@ -21,10 +21,12 @@ from scipy.sparse import csc_array, csr_array, diags_array, hstack, vstack
 
 from packing.arguments.arrays import Floats, Integers
 from scaling.equation.force_equation import ForceEquation
-from scaling.equation.global_moments import global_moments
+from scaling.equation.global_moments import moments_left_free
 from scaling.equation.trivial_balances import trivial_balances
 from scaling.estimators.misfit import Misfit
+from scaling.estimators.optimal.load_conditions import load_columns
 from scaling.estimators.told.mean_stress import MeanStress
+from scaling.geometry.bodies import held_components
 from scaling.noise.noise_model import NoiseModel
 
 
@@ -61,7 +63,7 @@ def conditions_on_noise(equation: ForceEquation, noise: NoiseModel, φ: Floats, 
     if acting.shape[0] <= DENSE_UP_TO:
         every = np.hstack([scaled(acting).toarray(), free.toarray()])
         return _rank(every) - _rank(free.toarray())
-    return _counted(equation, noise, acting, data)
+    return _counted(equation, noise, acting, data) + _of_loads(equation, noise)
 
 
 def acting_and_free(
@@ -71,12 +73,13 @@ def acting_and_free(
     matrices, network = equation.matrices, equation.network
     B = noise.overlaps(network)
     if data == "sizes":
-        none = csr_array((equation.M.shape[0], noise.count))
-        return csr_array(vstack([none, matrices.Q @ B])), matrices.G
-    acting = csr_array(matrices.M_normal @ equation.stiffened(B) + noise.balance(network, φ))
+        return csr_array(vstack([-load_columns(equation, noise), matrices.Q @ B])), matrices.G
+    acting = matrices.M_normal @ equation.stiffened(B) + noise.balance(network, φ)
+    acting = csr_array(acting + load_columns(equation, noise))
     if not equation.frictional:
         return acting, csr_array((acting.shape[0], 0))
-    return acting, csr_array(hstack([matrices.M_tangential, global_moments(network)]))
+    free = moments_left_free(equation, noise.loads)
+    return acting, csr_array(hstack([matrices.M_tangential, free]))
 
 
 def scaled(columns: csr_array) -> csr_array:
@@ -95,7 +98,7 @@ def _rank(matrix: Floats) -> int:
 def _counted(equation: ForceEquation, noise: NoiseModel, acting: csr_array, data: str) -> int:
     """d of a disordered network: the conditions left over, or the sources, if they are fewer."""
     network, forest = equation.network, equation.network.forest
-    if network.walls is not None:
+    if network.walls is not None or network.free.any():
         return _counted_between_walls(equation, acting, data)
     labels, part = np.unique(forest.component[network.active], return_inverse=True)
     count, winding = len(labels), forest.winding_rank[labels]
@@ -104,7 +107,7 @@ def _counted(equation: ForceEquation, noise: NoiseModel, acting: csr_array, data
     balances = (3 if equation.frictional else 2) * np.bincount(part, minlength=count) - 2
     moments = np.zeros(count, dtype=np.int64)
     if equation.frictional:
-        columns = csc_array(global_moments(network))
+        columns = csc_array(moments_left_free(equation, noise.loads))
         grain = columns.indices[columns.indptr[:-1]] % len(network.active)
         moments = np.bincount(part[grain], minlength=count)
     elif not noise.moves:
@@ -139,9 +142,27 @@ def _component_of_source(
     columns.sort_indices()
     row = columns.indices[columns.indptr[:-1][np.diff(columns.indptr) > 0]]
     balances, Q = equation.M.shape[0], equation.Q
+    of_grain = part[row % len(equation.network.active)]
     if acting.shape[0] == balances:
-        return part[row % len(equation.network.active)]
-    return of_contact[Q.indices[Q.indptr[row - balances]]]
+        return of_grain
+    loop = np.maximum(row - balances, 0)
+    return np.where(row < balances, of_grain, of_contact[Q.indices[Q.indptr[loop]]])
+
+
+def _of_loads(equation: ForceEquation, noise: NoiseModel) -> int:
+    """Net forces of components that nothing holds, which are conditions on noisy loads alone."""
+    if noise.loads is None:
+        return 0
+    network = equation.network
+    component = network.forest.component[network.active]
+    held = np.isin(component, held_components(network))
+    labels, part = np.unique(component[~held], return_inverse=True)
+    if not len(labels):
+        return 0
+    mine, n = np.flatnonzero(~held), len(network.active)
+    sums = csr_array((np.ones(len(mine)), (part, mine)), shape=(len(labels), n))
+    net = [sums @ noise.loads[axis * n : (axis + 1) * n] for axis in (0, 1)]
+    return int(sum(np.count_nonzero(abs(rows).sum(axis=1)) for rows in net))
 
 
 def _counted_between_walls(equation: ForceEquation, acting: csr_array, data: str) -> int:

@@ -17,7 +17,8 @@ redundant. That too is what `scaling.algebra.equality_least_squares` solves.
 data="sizes" knows no distances. Then the unknowns are y and f, the conditions balance and
 closure, Q f_n + κ Q B y = κ (Q|σ̃⟩ - Λ). Directions are exact in it.
 
-A mean stress told adds its rows: see `scaling.estimators.optimal.stress_conditions`.
+A mean stress told adds its rows: see `scaling.estimators.optimal.stress_conditions`. Loads with
+error bars have noise of their own in balance: `scaling.estimators.optimal.load_conditions`.
 
 With a stiffness per contact φ = f/κ̄, of the mean, and B and δ in M_n B, M_n δ are times κ_e/κ̄.
 """
@@ -31,8 +32,9 @@ from packing.arguments.arrays import Floats
 from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
 from scaling.algebra.evidence import Solved, accepted
 from scaling.equation.force_equation import ForceEquation, force_equation
-from scaling.equation.global_moments import global_moments
+from scaling.equation.global_moments import moments_left_free
 from scaling.equation.places import places_of
+from scaling.estimators.optimal.load_conditions import load_columns, row_scale
 from scaling.estimators.optimal.stress_conditions import stress_conditions
 from scaling.estimators.told.mean_stress import NOTHING, MeanStress
 from scaling.geometry.contact_network import ContactNetwork
@@ -56,16 +58,18 @@ def geometric_problem(
     matrices, network = equation.matrices, equation.network
     B = equation.stiffened(noise.overlaps(network))
     C = csr_array(matrices.M_normal @ B + noise.balance(network, φ))
-    blocks, at = [C / noise.unit], [source_places(network, noise)]
+    of_loads = load_columns(equation, noise)
+    blocks, at = [(C + of_loads) / noise.unit], [source_places(network, noise)]
     stress, c = stress_conditions(equation, noise, told), network.contacts
     of_stress = [stress.of_noise(B) / noise.unit]
     if equation.frictional:
         matrices.transverse.require_full_rank()
-        free = global_moments(network)
+        free = moments_left_free(equation, noise.loads)
         blocks += [-matrices.M_tangential, free]
         of_stress += [stress.rows[:, c:], csr_array((len(stress.sums), free.shape[1]))]
         at.append(matrices.balancing.places)
-    conditions = vstack([hstack(blocks), hstack(of_stress)])
+    balances = row_scale(of_loads, noise.unit) @ hstack(blocks)
+    conditions = vstack([balances, hstack(of_stress)])
     k, rest = noise.count, conditions.shape[1] - noise.count
     weights = hstack([eye_array(k), csr_array((k, rest))])
     name = "optimal estimate from sizes and distances"
@@ -85,9 +89,10 @@ def size_problem(
     # Positions are exact: B is the response of σ.
     QB = matrices.Q @ noise.overlaps(equation.network) / noise.unit
     stress = stress_conditions(equation, noise, told)
+    of_loads = load_columns(equation, noise)
     conditions = vstack(
         [
-            hstack([csr_array((equation.M.shape[0], noise.count)), equation.M]),
+            row_scale(of_loads, noise.unit) @ hstack([of_loads / -noise.unit, equation.M]),
             hstack([QB, matrices.closure]),
             hstack([stress.errors / noise.unit, stress.rows]),
         ]
@@ -115,6 +120,8 @@ def optimal_forces(
     if data == "sizes":
         sums = stress_conditions(equation, noise, told).sums
         t = np.concatenate([equation.rhs() / stiffness, sums]) / unit
+        rows = equation.M.shape[0]
+        t[:rows] = row_scale(load_columns(equation, noise), unit) @ t[:rows]
         found = size_problem(equation, noise, told).solved(np.zeros(noise.count), t)
         f = stiffness * unit * found.values[noise.count :]
         return _of_forces(found, stiffness * unit, f), found.values[: noise.count], 1, 0.0
@@ -122,12 +129,13 @@ def optimal_forces(
     c, k = equation.network.contacts, noise.count
     y, φ = np.zeros(k), np.zeros(equation.unknowns)
     here, previous, change = equation, np.inf, np.inf
+    scaled = row_scale(load_columns(equation, noise), unit)
     for step in range(_MOST_STEPS):
         problem, B, C = geometric_problem(here, noise, φ, told)
         δ = here.stiffened(here.overlaps)
         stress = stress_conditions(here, noise, told)
         of_stress = stress.sums - stress.rows[:, :c] @ (δ + B @ y)
-        b = np.concatenate([F + here.matrices.M_normal @ δ + C @ y, of_stress])
+        b = np.concatenate([scaled @ (F + here.matrices.M_normal @ δ + C @ y), of_stress])
         found = problem.solved(np.zeros(k), b / unit)
         u = found.values
         y_new, φ_t = u[:k], unit * u[k : k + equation.unknowns - c]

@@ -19,10 +19,17 @@ from packing.arguments.numbers import real_number
 from scaling.algebra.equality_least_squares import ConstrainedLeastSquares
 from scaling.algebra.evidence import Solved
 from scaling.equation.force_equation import ForceEquation
+from scaling.equation.mechanisms import refuse_mechanisms
 from scaling.estimators.estimator import LinearEstimator
 from scaling.estimators.misfit import Misfit, warn_if_implausible
 from scaling.estimators.optimal.conditions import misfit_of_optimal
 from scaling.estimators.optimal.least_noise import geometric_problem, optimal_forces, size_problem
+from scaling.estimators.optimal.load_conditions import (
+    load_columns,
+    load_noise,
+    row_scale,
+    with_load_noise,
+)
 from scaling.estimators.optimal.stress_conditions import stress_conditions, with_stress_noise
 from scaling.estimators.reconstruction import (
     Diagnostics,
@@ -32,6 +39,7 @@ from scaling.estimators.reconstruction import (
 )
 from scaling.estimators.response import Response
 from scaling.estimators.told.datum import Told
+from scaling.estimators.told.loads import load_errors
 from scaling.estimators.told.mean_stress import MeanStress, mean_stress
 from scaling.estimators.told.strength import Strength, likely_strength, strength
 from scaling.noise.noise_model import NoiseModel, noise_model
@@ -54,6 +62,8 @@ class OptimalDiagnostics(Diagnostics):
         The degrees of freedom of `misfit`
     strength : Strength
         ξ with its standard error, where it was unknown; else None
+    loads : numpy.ndarray
+        (rows of M,) -|F_ext⟩ without the errors found, where loads have an error bar; else None
     """
 
     noise: Floats
@@ -62,6 +72,7 @@ class OptimalDiagnostics(Diagnostics):
     scale: float
     freedom: float
     strength: Strength | None
+    loads: Floats | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +91,10 @@ class Optimal(LinearEstimator):
         What is known of the mean stress of a cell, compression positive: "p", the pressure, and
         the components "xx", "xy", "yx", "yy", each a number, or a number with its standard
         deviation. Error maps take exact ones only
+    loads : float or array_like, optional
+        How the loads of the network err, for data="all" and "sizes": a standard deviation of each
+        force on grains that bear one (times R of torques), (N, 3) of them for F_x, F_y and T, or
+        3N variances or a covariance, see `scaling.estimators.told.loads`; exact by default
 
     Raises
     ------
@@ -106,12 +121,17 @@ class Optimal(LinearEstimator):
     covariance: ArrayLike | None = None
     data: str = "all"
     stress: Mapping[str, Told] | None = None
+    loads: ArrayLike | None = None
 
     name: ClassVar[str] = "optimal"
 
     def __post_init__(self) -> None:
         check_told_noise(self)
         mean_stress(None, self.stress)
+
+    def errs(self, equation: ForceEquation) -> bool:
+        """Whether loads have error bars."""
+        return self.loads is not None
 
     @property
     def told(self) -> MeanStress:
@@ -130,6 +150,10 @@ class Optimal(LinearEstimator):
         (solved, y, steps, change), model, misfit = made.least_noise(equation)
         f, η = solved.values, y / model.xi
         warn_if_implausible(misfit, told(made))
+        if model.loads is not None:
+            rhs = equation.balance_rhs() + model.loads @ load_noise(model, y)
+            equation = equation.with_balance(rhs)
+            refuse_mechanisms(equation, f)
         return reconstruction(
             self.name,
             equation,
@@ -144,6 +168,7 @@ class Optimal(LinearEstimator):
             scale=κ * model.xi,
             freedom=misfit.most,
             strength=found,
+            loads=equation.told_balance,
         )
 
     def least_noise(
@@ -153,6 +178,7 @@ class Optimal(LinearEstimator):
         κ = self.stiffness(equation)
         ξ = None if self.xi is None else real_number("xi", self.xi)
         plain = noise_model(equation.network, self.noise, self.covariance, ξ)
+        plain = with_load_noise(equation, plain, load_errors(equation, self.loads))
         model = with_stress_noise(plain, self.told)
         found = optimal_forces(equation, κ, model, self.data, self.told)
         η = found[1] / model.xi
@@ -160,6 +186,11 @@ class Optimal(LinearEstimator):
 
     def prepared(self, at: Response) -> ConstrainedLeastSquares:
         """The problem in (y ; φ), with the noise of the response for weights."""
+        if self.loads is not None and at.noise.loads is None:
+            raise ValueError(
+                "errors are per noise of the geometry: loads with error bars of their own have "
+                "none; ask what `reconstruct` returns for standard_errors()"
+            )
         if self.data == "sizes":
             return size_problem(at.equation, at.noise, self.told)
         return geometric_problem(at.equation, at.noise, at.φ, self.told)[0]
@@ -169,15 +200,16 @@ class Optimal(LinearEstimator):
         equation, k, unit = at.equation, at.noise.count, at.noise.unit
         n, matrices, problem = equation.unknowns, equation.matrices, at.prepared
         stress = stress_conditions(equation, at.noise, self.told)
+        of_loads = load_columns(equation, at.noise)
+        scaled = row_scale(of_loads, unit)
         if self.data == "sizes":
             QB = matrices.Q @ (at.overlaps @ η) / unit
-            balance = np.zeros((equation.M.shape[0], *η.shape[1:]))
-            b = np.concatenate([balance, QB, stress.errors @ η / unit])
+            b = np.concatenate([-(scaled @ (of_loads @ η)) / unit, QB, stress.errors @ η / unit])
             found = problem.solved(np.zeros_like(η), b)
             return Solved(unit * found.values[k : k + n], found.error, found.solver)
         B = equation.stiffened(at.overlaps)
-        C: Any = matrices.M_normal @ B + at.balance
-        b = np.concatenate([C @ η, stress.of_noise(B) @ η]) / unit
+        C: Any = matrices.M_normal @ B + at.balance + of_loads
+        b = np.concatenate([scaled @ (C @ η), stress.of_noise(B) @ η]) / unit
         found = problem.solved(np.zeros_like(η), b)
         u = found.values
         φ_t = unit * u[k : k + n - equation.network.contacts]

@@ -17,7 +17,12 @@ from scipy.sparse import csr_array, hstack
 
 from packing.arguments.arrays import Floats
 from scaling.equation.force_equation import ForceEquation
-from scaling.estimators.told.mean_stress import MeanStress, stress_rows, stress_sums
+from scaling.estimators.told.mean_stress import (
+    MeanStress,
+    refuse_free_grains,
+    stress_rows,
+    stress_sums,
+)
 from scaling.noise.noise_model import NoiseModel
 
 
@@ -42,7 +47,7 @@ def with_stress_noise(noise: NoiseModel, told: MeanStress) -> NoiseModel:
     radii, positions = (
         csr_array(hstack([L, csr_array((L.shape[0], u))])) for L in (noise.radii, noise.positions)
     )
-    return replace(noise, radii=radii, positions=positions, aside=u)
+    return replace(noise, radii=radii, positions=positions, aside=noise.aside + u)
 
 
 def stress_conditions(
@@ -58,7 +63,9 @@ def stress_conditions(
     area = equation.network.boundary.area
     if area is None:
         raise ValueError("the mean stress of an open network follows from its loads: tell none")
-    if told.noisy != noise.aside:
+    refuse_free_grains(equation)
+    of_loads = 0 if noise.loads is None else noise.loads.shape[1]
+    if told.noisy != noise.aside - of_loads:
         raise ValueError(
             "errors are per noise of the geometry: a stress with an error bar of its own has "
             "none; tell it exactly, or ask what `reconstruct` returns for standard_errors()"
@@ -74,7 +81,7 @@ def stress_conditions(
     # A weak datum is a row for its noise alone: of norm 1 at most, whatever its error bar.
     scale = 1 / np.maximum(1.0, errors / noise.unit)
     noisy = np.flatnonzero(deviations)
-    place = (noisy, k - noise.aside + np.arange(noise.aside))
+    place = (noisy, k - told.noisy + np.arange(told.noisy))
     return StressConditions(
         csr_array(rows * (scale / size)[:, None]),
         csr_array(((scale * errors)[noisy], place), shape=(len(rows), k)),

@@ -135,3 +135,14 @@ def stress_sums(told: MeanStress, area: float) -> tuple[Floats, Floats]:
     value = np.array([one.value for _, one in told.data])
     deviation = np.array([one.deviation for _, one in told.data])
     return times * value, times * deviation
+
+
+def refuse_free_grains(equation: ForceEquation) -> None:
+    """ValueError: the stress is a sum over all contacts, and free grains have some that nobody
+    lists."""
+    free = np.flatnonzero(equation.network.free)
+    if len(free):
+        raise ValueError(
+            f"{len(free)} grains are free, the first is {free[0]}: contacts that are not listed "
+            "bear a part of the mean stress, which therefore is no datum; tell none"
+        )

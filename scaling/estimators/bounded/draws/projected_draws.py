@@ -16,6 +16,7 @@ from packing.arguments.numbers import flag, generator, instance, whole_number
 from packing.progress import counted
 from scaling.estimators.bounded.maximum import bounded_forces, passes
 from scaling.estimators.bounded.posterior import Posterior
+from scaling.estimators.bounded.program import shift_sizes
 
 
 def posterior_draws(
@@ -35,14 +36,12 @@ def posterior_draws(
         flag("progress", progress)
     if posterior.gaps:
         raise ValueError("projected draws are for a Gaussian prior: gaps=True has another")
-    k = 0 if posterior.noise is None else posterior.noise.count
-    contacts, told = posterior.equation.network.contacts, posterior.stress.noisy
-    sizes = k, posterior.equation.unknowns, contacts, told
+    sizes = shift_sizes(posterior)
     refuse_beyond(f"draws = {draws}", 8.0 * draws * (sum(sizes) + sizes[1]))
     shifts = []
     for child in rng.spawn(draws):
-        data, prior, second, stress = map(child.standard_normal, sizes)
-        shifts.append((data, prior, second, stress))
+        data, prior, second, stress, loads = map(child.standard_normal, sizes)
+        shifts.append((data, prior, second, stress, loads))
     curved = bounded_forces(posterior, progress)[2].curved
 
     def drawn(curved: bool) -> Floats:
