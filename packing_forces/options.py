@@ -15,7 +15,7 @@ from typing import Any
 METHODS = ("gppsz", "balanced", "direct", "optimal", "bounded", "transverse")
 MATERIALS = ("glass", "steel", "sand", "rubber", "photoelastic", "hydrogel")
 BOUNDARIES = ("periodic", "walls", "box")
-FIGURES = 7
+FIGURES = 8
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,8 @@ prefactor_laws     gains of all estimators: Fig. 5
 error_maps         error of every contact, worst noise: Fig. 6
 experiment_errors  contacts misread, scales, digits: Fig. 7
 grains             the packing of Figs. 3 and 6
+worlds             E of every scene, with walls, weight, Hertz: Fig. 8
+world_layers       the layers of packings under weight: Fig. 8
 packing_table      Table 1
 
 Of docs/estimators.md, from packings of the store; missing ones are made (a minute with Numba):
@@ -41,6 +43,8 @@ same_packing  whether Newton's method ends in the same packing whenever time ste
 same_statistics  whether Z, φ and P(f) are those that time steps alone would reach
 hertz         packings of elastic spheres: rest, prefactor, and the cost of reading them as linear
 between_walls  packings between walls and under weight: rank, prefactor, the cost of a length
+silo          what side walls bear of the weight: Janssen's law
+sandpile      sand of glass and quartz in real units, at four depths
 ramps         pressure up and down again
 ramp_rates    what the rate of a ramp changes
 continuation  packings continued by Newton's method against integrated ones

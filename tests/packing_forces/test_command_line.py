@@ -60,7 +60,7 @@ def test_names_are_those_of_the_packages():
     """Written out where nothing may be loaded, so they have to be held together here."""
     assert set(METHODS) == set(ESTIMATORS)
     assert set(NAMED) == set(MATERIALS)
-    assert len(FIGURES) == 7
+    assert len(FIGURES) == 8
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_names_are_those_of_the_packages():
     [
         [], ["explain"], ["check"], ["check", "a", "--noise", "-1"],
         ["check", "a", "--noise", "x"],
-        ["forces", "a", "--method", "magic"], ["figure", "8"], ["figure", "six"],
+        ["forces", "a", "--method", "magic"], ["figure", "9"], ["figure", "six"],
         ["need", "--modulus", "0"], ["prepare"], ["read", "a", "--set", "radius"],
         ["check", "a", "--gap", "inf"],
     ],
