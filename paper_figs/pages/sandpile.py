@@ -50,9 +50,9 @@ def plot(table: np.ndarray) -> Figure:
             )  # fmt: skip
     guess = table["flat_guess"]
     b.axhspan(guess.min(), guess.max(), color="0.85", zorder=0)
-    b.text(1.1, guess.max() * 1.15, "all forces equal", color="0.4", fontsize=6.5)
+    b.text(900, guess.max() * 1.15, "all forces equal", color="0.4", fontsize=6.5, ha="right")
     b.set(xscale="log", yscale="log", ylabel="relative error $E$")
-    b.set_xlabel("sizes known to (nm, standard deviation of a diameter)")
-    b.legend(loc="lower right", title="depth, glass")
+    b.set_xlabel("standard deviation of a diameter (nm)")
+    b.legend(loc="upper left", title="depth, glass")
     b.set_title("(b) error of the forces", loc="left")
     return figure
