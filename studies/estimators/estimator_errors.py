@@ -103,7 +103,9 @@ def prefactors_of(p: Packing, noise: str) -> dict[str, float]:
     if noise == "position":
         forces |= {"stiffness": p.stiffness}
         given = {"forces": p.forces, "stiffness": p.stiffness}
-    C = {m: amplification(network, m, noise, **forces) for m in LINEAR if m != "optimal"}
+    C: dict[str, float] = {
+        m: amplification(network, m, noise, **forces) for m in LINEAR if m != "optimal"
+    }
     C["optimal"] = cramer_rao(network, noise, **given).gain * p.pressure / mean_force(p)
     return C
 
