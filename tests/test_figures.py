@@ -205,8 +205,8 @@ def test_figure_4_gppsz_grows_and_bounded_saturates(packings, tmp_path):
         assert np.all(best["error"] > best["bound"] / 4)
         assert exact.sum() == (5 if noise == "diameter" else 4)
     fair = {m: here[here["method"] == m]["error"] for m in estimator_errors.STRESSED}
-    assert np.all(fair["bounded, stress"] < fair["optimal, stress"])
-    assert np.all(fair["optimal, stress"] < 1.2 * best["error"])
+    assert np.all(fair["bounded + stress"] < fair["optimal + stress"])
+    assert np.all(fair["optimal + stress"] < 1.2 * best["error"])
     last = here[(here["method"] == "bounded") & (here["ratio"] == 100)][0]
     assert last["error"] < last["flat"]
     assert 1 / 1.5 < last["error"] / last["prior"] < 1.5

@@ -36,7 +36,7 @@ SEED = 4
 FAIR = 1e-4
 """Δ at which `optimal` and `bounded` are told the mean stress besides."""
 METHODS = ("gppsz", "balanced", "direct", "optimal", "bounded")
-STRESSED = {"optimal, stress": "optimal", "bounded, stress": "bounded"}
+STRESSED = {"optimal + stress": "optimal", "bounded + stress": "bounded"}
 LINEAR = ("gppsz", "balanced", "direct", "optimal")
 TABLE = np.dtype(
     [
@@ -103,7 +103,9 @@ def prefactors_of(p: Packing, noise: str) -> dict[str, float]:
     if noise == "position":
         forces |= {"stiffness": p.stiffness}
         given = {"forces": p.forces, "stiffness": p.stiffness}
-    C = {m: amplification(network, m, noise, **forces) for m in LINEAR if m != "optimal"}
+    C: dict[str, float] = {
+        m: amplification(network, m, noise, **forces) for m in LINEAR if m != "optimal"
+    }
     C["optimal"] = cramer_rao(network, noise, **given).gain * p.pressure / mean_force(p)
     return C
 
@@ -127,9 +129,9 @@ def _errors(
         arguments["bounded"] = weights | limits
     if p.delta == FAIR:
         told = {"stress": stress_of(p)}
-        arguments["optimal, stress"] = weights | told
+        arguments["optimal + stress"] = weights | told
         if find_spec("clarabel"):
-            arguments["bounded, stress"] = weights | told | {"friction": p.friction}
+            arguments["bounded + stress"] = weights | told | {"friction": p.friction}
     errors = {}
     for method, a in arguments.items():
         if method in LINEAR and linear(noise, xi):

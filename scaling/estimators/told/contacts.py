@@ -132,20 +132,21 @@ def contacts_from_gaps(
     --------
     >>> from types import SimpleNamespace
     >>> row = SimpleNamespace(
-    ...     positions=[(0.0, 0.0), (0.99, 0.0), (1.97, 0.0), (3.2, 0.0)], radii=[0.5] * 4)
+    ...     positions=[(0.0, 0.0), (0.99, 0.0), (1.97, 0.0), (3.2, 0.0)], radii=[0.5] * 4,
+    ...     external=[(1.0, 0, 0), (0, 0, 0), (-1.0, 0, 0), (0, 0, 0)])
     >>> found = contacts_from_gaps(row, overlap=0.01, xi=1e-3)
     >>> found.network.pairs.tolist(), [f"{p:.2f}" for p in found.closed]
     ([[0, 1], [1, 2]], ['1.00', '1.00'])
     """
     overlap, least = positive_number("overlap", overlap), number_between("least", least, 0, 1)
     xi = positive_number("xi", xi)
-    given = {k: getattr(packing, k, None) for k in ("cell", "external")}
-    x, R, cell = packing.positions, packing.radii, given["cell"]
-    rough = REACH * (2 * xi * 2 * float(np.mean(R)) + overlap)
+    cell, loads = (getattr(packing, name, None) for name in ("cell", "external"))
+    x, R = packing.positions, np.asarray(packing.radii, dtype=float)
+    rough = REACH * (2 * xi * 2 * float(R.mean()) + overlap)
     pairs, images = infer_contacts(x, R, rough, cell=cell)
     if not len(pairs):
         raise ValueError(f"no pair of grains has a gap below {rough:.3g}: there is no contact")
-    every = ContactNetwork(x, R, pairs, images=images if cell is not None else None, **given)
+    every = ContactNetwork(x, R, pairs, images=images, cell=cell, external=loads)
     model = noise_model(every, noise, xi=xi)
     B = model.overlaps(every) * xi
     s = np.sqrt(np.asarray(B.multiply(B).sum(axis=1)).ravel())
