@@ -13,7 +13,8 @@ down. In the overlaps closure is linear, and contacts that open, where 1/f' dive
 κ̄ is the mean slope at the forces, as for stiffnesses per contact: it weighs closure against
 balance where data are noisy, and drops out where they are exact. Forces are given out if the step
 that the residual still asks for is rounding beside them, and if two starts at least end in them
-and none anywhere else.
+and none anywhere else. Steps on the way are directions only; rank, condition and error are of the
+last ones, which are solved for with their proof.
 """
 
 from __future__ import annotations
@@ -30,8 +31,11 @@ from scaling.equation.force_equation import ForceEquation
 from scaling.equation.newton_starts import newton_starts
 
 STEPS = 100
+DIRECTIONS = 30
+"""After so many steps, or near the end, every step is solved for with its proof."""
 CONVERGED = 1e-10
 """Step that is left, relative to the forces."""
+_NEARLY = 1e-5
 _SMALL = 1e-8
 _UNSEEN = 1e-6
 _NEAR = 1e-4
@@ -88,19 +92,24 @@ def from_start(
         return np.concatenate([equation.M @ forces(δ, f_t) - b, closing])
 
     previous = size = np.inf
-    for _ in range(STEPS):
+    for taken in range(STEPS):
         slopes = law.slope(δ)
         κ, f = float(np.mean(slopes)), forces(δ, f_t)
         left = residual(δ, f_t, κ)
         pulled = equation.M[:, :c].T @ left[: len(b)]
         bends = np.sqrt(np.maximum(pulled * _curvature(law, δ), 0.0)) / κ
         rest = np.concatenate([-left, np.zeros(c)])
-        step = _tangent(equation, slopes / κ, bends).solved(rest, solver, tol)
-        d, d_t = step.values[:c] / κ, step.values[c:]
-        change = float(np.hypot(np.linalg.norm(slopes * d), np.linalg.norm(d_t)))
-        size = change / (float(np.linalg.norm(f)) or 1.0)
+        tangent, step = _tangent(equation, slopes / κ, bends), None
+        on_the_way = solver == "auto" and tangent.solver_for("auto") == "factor"
+        if on_the_way := on_the_way and size > _NEARLY and taken < DIRECTIONS:
+            moves = tangent.direction(rest)
+            on_the_way = _size(moves, slopes / κ, f) > _NEARLY
+        if not on_the_way:
+            step = tangent.solved(rest, solver, tol)
+            moves = step.values
+        d, d_t, size = moves[:c] / κ, moves[c:], _size(moves, slopes / κ, f)
         # Done when the step is rounding, or no longer shrinks because it is.
-        if size <= CONVERGED or (size <= _SMALL and size > 0.5 * previous):
+        if step and (size <= CONVERGED or (size <= _SMALL and size > 0.5 * previous)):
             δ, f_t = δ + d, f_t + d_t
             return Solved(forces(δ, f_t), size + step.error, step.solver), residual(δ, f_t, κ)
         previous, share = size, 1.0
@@ -115,6 +124,13 @@ def from_start(
         f"the GPPSZ equation with the law {shown(law)}: after {STEPS} steps of Newton's "
         f"method forces still change by {size:.1e} of themselves"
     )
+
+
+def _size(moves: Floats, slopes: Floats, forces: Floats) -> float:
+    """Change of the forces by (κ̄ dδ ; df_t) beside themselves, `slopes` over κ̄."""
+    c = len(slopes)
+    change = np.hypot(np.linalg.norm(slopes * moves[:c]), np.linalg.norm(moves[c:]))
+    return float(change) / (float(np.linalg.norm(forces)) or 1.0)
 
 
 def _tangent(equation: ForceEquation, slopes: Floats, bends: Floats) -> LeastSquares:

@@ -152,11 +152,11 @@ def test_the_prefactor_is_that_of_the_law():
     """E = C ξ/Δ with Δ = (p/κ)^(2/3), measured at ξ = 1e-6 Δ where closure is linear; the same
     draws: exactly. Taken for linear springs (the control) E is the bias, whatever ξ."""
     p = relax(Scene(48, 1e-3, contact="hertz"), 1, progress=False)
-    rows = collapse([p], [1e-6, 2e-6], np.random.default_rng(0), draws=100)
+    rows = collapse([p], [1e-6, 2e-6], np.random.default_rng(0), draws=40)
     for ratio in (1e-6, 2e-6):
         errors = rows["error"][rows["ratio"] == ratio]
         measured = np.sqrt(np.mean(errors**2)) / ratio
-        # 100 draws of some hundred sources: the mean square is good to 3 %
+        # 40 draws of some hundred sources: the mean square is good to 5 %
         assert measured == pytest.approx(float(amplification_of(p)), rel=0.15)
     assert rows["C"][0] == float(amplification_of(p))
 
