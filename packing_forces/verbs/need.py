@@ -23,7 +23,7 @@ def answer(options: Namespace) -> Answer:
     if options.pressure is None:
         raise Refused("--pressure is needed: Δ is what it makes of the grains")
     delta = delta_of(modulus, poisson, options.pressure, options.law)
-    found = need(delta, options.error)
+    found = need(delta, options.error, options.law)
     lines = [_heading(options, grains, modulus, poisson, delta), ""]
     lines += _lines(found, options.diameter)
     facts: dict[str, Any] = {
@@ -78,7 +78,7 @@ def _table(options: Namespace) -> Answer:
         except ValueError as refusal:
             lines.append(f"{name:13} {power(m.modulus):>8} {m.poisson:5.2f}  {refusal}")
             continue
-        xi = need(delta, options.error).precision["diameter"]["gppsz"]
+        xi = need(delta, options.error, options.law).precision["diameter"]["gppsz"]
         lines.append(
             f"{name:13} {power(m.modulus):>8} {m.poisson:5.2f} {power(delta):>8}  "
             f"{length(xi, options.diameter):20} {span}"
