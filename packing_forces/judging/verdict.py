@@ -20,6 +20,8 @@ EXACT = 1e-3
 """True error over the one expected, below which the noise told is not in the data."""
 CONTRADICTED = 2.0
 """Misfit, χ² per degree of freedom, beyond which error bars say too little."""
+UNBALANCED, BEYOND = 0.01, 30.0
+"""Imbalance, in mean normal forces and in errors expected, beyond which these say too little."""
 FLAT = 0.5
 """E of the guess that all forces are equal."""
 
@@ -41,6 +43,12 @@ def verdict(case: Case, chosen: Choice, found: Found) -> str:
         said.append(
             f"The data contradict what was told (misfit {misfit:.3g} instead of 1): do not trust "
             "these error bars."
+        )
+    left = found.result.imbalance
+    if found.error is not None and left > max(UNBALANCED, BEYOND * found.error):
+        said.append(
+            f"A grain is out of balance by {power(left)} mean normal forces, which such errors do "
+            "not explain: contacts, loads or friction are not as told."
         )
     advice = _digits(case, chosen.expected.get("gppsz"))
     if advice:

@@ -197,7 +197,7 @@ def test_half_a_file_is_refused_by_name(ask, files, tmp_path, name, part):
     ("words", "said"),
     [
         (("--method", "optimal", "--noise", "0"), "optimal needs the noise"),
-        (("--pressure", "1e-5", "--method", "bounded", "--noise", "1e-12"), "bounded: "),
+        (("--pressure", "2.4e-5", "--method", "bounded", "--noise", "1e-12"), "bounded: "),
     ],
 )
 def test_refusals_name_what_is_missing(ask, files, words, said):

@@ -1,0 +1,91 @@
+"""What is told, and what the file shows: where both cannot be, no number goes out unmarked."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dem import Scene, relax
+from packing.diagnosis import diagnose
+from packing.measurement import Measurement
+from packing_forces.answers.words import percent
+from tests.conftest import packing
+
+
+@pytest.mark.parametrize("words", [("--stiffness", "1000"), ("--stiffness", "0.9")])
+def test_a_stiffness_that_the_forces_deny_is_refused(ask, files, words):
+    code, _, err = ask("check", files / "packing.npz", *words)
+    assert code == 1
+    assert f"--stiffness {words[1]} makes of the overlaps" in err
+
+
+def test_a_stiffness_that_agrees_is_taken(ask, files):
+    code, out, _ = ask("check", files / "packing.npz", "--stiffness", "1.01", "--json")
+    assert code == 0
+    assert out["law"] == "linear springs, κ = 1.01"
+
+
+def test_a_pressure_that_the_forces_deny_is_refused(ask, files):
+    code, _, err = ask("check", files / "packing.npz", "--pressure", "1")
+    assert code == 1
+    assert "--pressure 1 is 3.33e+04 times that of the forces of the file, 3e-05" in err
+    assert ask("check", files / "packing.npz", "--pressure", "3.3e-5")[0] == 0
+
+
+def test_forces_that_leave_grains_unbalanced_are_marked(ask, files):
+    """Told that there is no friction, least squares leave what it bore; told nothing, nothing."""
+    words = ("forces", files / "packing.npz", "--json")
+    _, wrong, _ = ask(*words, "--friction", "0")
+    _, right, _ = ask(*words)
+    assert wrong["imbalance"] > 0.1
+    assert "which such errors do not explain" in wrong["verdict"]
+    assert "which such errors do not explain" not in right["verdict"]
+
+
+def test_warnings_of_the_file_stand_beside_its_forces(ask, files):
+    _, out, _ = ask("forces", files / "atoms.dump", "--stiffness", "1", "--method", "gppsz")
+    assert "warning: there is no list of contacts [no-contacts]" in out
+    _, out, _ = ask("forces", files / "packing.npz")
+    assert "warning" not in out
+
+
+def test_no_error_is_below_that_of_a_double():
+    assert percent(3.6e-31) == "below 1e-16"
+    assert percent(2e-16) == "2e-16"
+    assert percent(0.0) == "0"
+
+
+def test_hertz_is_told_by_its_own_constant(ask, tmp_path):
+    """κ of f = κ δ^(3/2) is 1; the slope of a contact at the pressure is another number."""
+    spheres = relax(Scene(grains=40, delta=1e-2, contact="hertz"), 1, progress=False)
+    spheres.save(tmp_path / "spheres.npz")
+    _, out, _ = ask("read", "spheres.npz")
+    assert "elastic spheres, κ = 1, ν = 0.3, pressure" in out
+    assert "stiffness =" not in out
+
+
+def test_gaps_do_not_show_an_error_of_forces():
+    made = packing(grains=40, delta=1e-2)
+    rows = {
+        name: Measurement(
+            np.round(made.positions, 3), factor * made.radii, cell=made.cell, pairs=made.pairs,
+            images=made.images,
+        )
+        for name, factor in (("overlaps", 1.0), ("gaps", 0.97))
+    }  # fmt: skip
+    said = {
+        name: next(n for n in diagnose(data) if n.name == "coarse-coordinates")
+        for name, data in rows.items()
+    }
+    assert "an error of E ≈" in said["overlaps"].text
+    assert "No overlap shows" in said["gaps"].text
+    assert said["gaps"].number is None
+
+
+def test_commas_of_numbers_among_commas_of_tables_are_named(ask, tmp_path):
+    (tmp_path / "de.csv").write_text("id,x,y,r\n0,1,5,2,5,0,5\n1,2,5,2,5,0,5\n")
+    code, _, err = ask("read", "de.csv")
+    assert code == 1
+    assert "decimal comma [decimal-comma]" in err
+    (tmp_path / "long.csv").write_text("id,x,y,r\n0,1.5,2.5,0.5,7\n")
+    assert "[uneven-rows]" in ask("read", "long.csv")[2]
