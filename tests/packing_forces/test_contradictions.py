@@ -42,6 +42,18 @@ def test_forces_that_leave_grains_unbalanced_are_marked(ask, files):
     assert "which such errors do not explain" not in right["verdict"]
 
 
+def test_a_page_is_not_green_where_data_contradict(ask, files, tmp_path):
+    """And says of exact lengths that all intervals hold the force, not 68 % of them."""
+    words = ("report", files / "packing.npz", "--noise", "1e-8", "--method", "gppsz")
+    assert ask(*words, "--out", "good.html")[0] == 0
+    assert ask(*words, "--friction", "0", "--out", "bad.html")[0] == 0
+    good, bad = ((tmp_path / f"{name}.html").read_text() for name in ("good", "bad"))
+    assert 'class="verdict"' in good
+    assert "100\u00a0% of the intervals of f_n hold the true force; all should" in good
+    assert 'class="verdict no"' in bad
+    assert "all should" not in bad
+
+
 def test_warnings_of_the_file_stand_beside_its_forces(ask, files):
     _, out, _ = ask("forces", files / "atoms.dump", "--stiffness", "1", "--method", "gppsz")
     assert "warning: there is no list of contacts [no-contacts]" in out
