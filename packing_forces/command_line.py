@@ -27,6 +27,13 @@ from packing_forces.options import VERBS, Verb
 
 __all__ = ["ANSWERED", "REFUSED", "WRONG_USAGE", "main", "parser"]
 
+AS_WORDS = {
+    "say format=": "say --format",
+    "as contacts=": "by --contacts",
+    "(sizes='diameters')": "(--set sizes=diameters)",
+}
+"""What refusals of the library say of its arguments, as it is said here."""
+
 
 def parser() -> argparse.ArgumentParser:
     """All verbs, each with its arguments and an example."""
@@ -114,5 +121,7 @@ def _in_words(refusal: Exception, file: str | None) -> str:
     said = str(refusal) or type(refusal).__name__
     if isinstance(refusal, OSError) and refusal.strerror and refusal.filename:
         said = f"{refusal.filename}: {refusal.strerror}"
+    for in_python, here in AS_WORDS.items():
+        said = said.replace(in_python, here)
     name = "" if file is None else file.replace("\\", "/").rpartition("/")[2]
     return said if not name or name in said else f"{name}: {said}"

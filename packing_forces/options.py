@@ -173,7 +173,7 @@ def _report(line: ArgumentParser) -> None:
 def _need(line: ArgumentParser) -> None:
     line.add_argument("--material", choices=MATERIALS, help="instead of --modulus and --poisson")
     line.add_argument("--modulus", type=positive, metavar="E", help="Young's modulus, Pa")
-    line.add_argument("--poisson", type=number, default=0.3, metavar="ν", help="default 0.3")
+    line.add_argument("--poisson", type=number, metavar="ν", help="default 0.3")
     line.add_argument("--pressure", type=positive, metavar="p", help="Pa")
     line.add_argument("--diameter", type=positive, metavar="d", help="mean diameter, m")
     line.add_argument("--law", choices=("hertz", "linear"), default="hertz", help="default hertz")

@@ -10,16 +10,22 @@ from packing_forces.answers.words import length, power
 from packing_forces.judging.materials import MATERIALS, Material
 from packing_forces.judging.need import FLAT_GUESS, Need, delta_of, need
 
+POISSON = 0.3
+"""Of a material that is told by its modulus alone."""
+
 
 def answer(options: Namespace) -> Answer:
     """For one material and pressure, or the table of materials."""
     if options.material and options.modulus:
         raise Refused("--material and --modulus both say how stiff the grains are: give one")
+    if options.material and options.poisson is not None:
+        raise Refused("--poisson goes with --modulus: --material has its own")
     if not options.material and not options.modulus:
         return _table(options)
     grains = MATERIALS[options.material] if options.material else None
     modulus = grains.modulus if grains else options.modulus
     poisson = grains.poisson if grains else options.poisson
+    poisson = POISSON if poisson is None else poisson
     if options.pressure is None:
         raise Refused("--pressure is needed: Δ is what it makes of the grains")
     delta = delta_of(modulus, poisson, options.pressure, options.law)

@@ -8,6 +8,7 @@ import pytest
 from dem import Scene, relax
 from packing.diagnosis import diagnose
 from packing.measurement import Measurement
+from packing.writing import write
 from packing_forces.answers.words import percent
 from tests.conftest import packing
 
@@ -101,3 +102,43 @@ def test_commas_of_numbers_among_commas_of_tables_are_named(ask, tmp_path):
     assert "decimal comma [decimal-comma]" in err
     (tmp_path / "long.csv").write_text("id,x,y,r\n0,1.5,2.5,0.5,7\n")
     assert "[uneven-rows]" in ask("read", "long.csv")[2]
+
+
+def test_utf_16_is_recognised(ask, tmp_path):
+    """By its beginning too, where that is a remark."""
+    text = "# sizes in mm\nid,x,y,r\n0,1.5,2.5,0.5\n"
+    (tmp_path / "u.csv").write_bytes(text.encode("utf-16"))
+    code, out, _ = ask("read", "u.csv", "--json")
+    assert (code, out["grains"]) == (0, 1)
+
+
+def test_advice_is_in_words_of_the_command_line(ask, tmp_path):
+    (tmp_path / "prose.txt").write_text("Once upon a time\n")
+    assert "say --format [unknown-format]" in ask("read", "prose.txt")[2]
+    (tmp_path / "c.csv").write_text("i,j,fn\n0,1,1.0\n")
+    assert "this one by --contacts" in ask("read", "c.csv")[2]
+
+
+def test_need_takes_one_poisson_ratio(ask):
+    code, _, err = ask("need", "--material", "glass", "--pressure", "1", "--poisson", "0.1")
+    assert (code, "--material has its own" in err) == (1, True)
+    words = ("need", "--modulus", "1e9", "--pressure", "1")
+    assert ask(*words)[1] == ask(*words, "--poisson", "0.3")[1] != ask(*words, "--poisson", "0")[1]
+
+
+def test_a_table_of_the_other_sign_is_named(ask, tmp_path):
+    """Nothing but the sign of f_n and f_t is another than in a packing at rest."""
+    made = packing(grains=40, delta=1e-2)
+    reversed_ = [-made.normal_forces, -made.tangential_forces]
+    grains, _ = write(tmp_path / "m.csv", made, forces=np.concatenate(reversed_))
+    assert "is compression negative in this file?" in ask("check", grains)[1]
+    again, _ = write(tmp_path / "n.csv", made)
+    assert "compression" not in ask("check", again)[1]
+
+
+def test_lengths_are_not_known_to_a_delta_that_is_not_known(ask, tmp_path):
+    made = packing(grains=40, delta=1e-2)
+    only = Measurement(made.positions, made.radii, cell=made.cell)
+    (table,) = write(tmp_path / "mine.csv", only)
+    _, out, _ = ask("forces", table, "--stiffness", "1")
+    assert "lengths are known so well: Eq. 1 as it stands" in out
