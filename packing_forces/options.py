@@ -16,6 +16,7 @@ METHODS = ("gppsz", "balanced", "direct", "optimal", "bounded", "transverse")
 MATERIALS = ("glass", "steel", "sand", "rubber", "photoelastic", "hydrogel")
 BOUNDARIES = ("periodic", "walls", "box")
 FIGURES = 8
+FEWEST_DRAWS = 8
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,24 @@ def whole(word: str) -> int:
     return int(word)
 
 
+def ending(*endings: str) -> Callable[[str], str]:
+    """Takes the name of a file that ends in one of these."""
+
+    def name(word: str) -> str:
+        if not word.lower().endswith(endings):
+            raise argparse.ArgumentTypeError(f"{word}: expected a name in {' or '.join(endings)}")
+        return word
+
+    return name
+
+
+def draws(word: str) -> int:
+    """A number of draws that gives an interval."""
+    if (count := whole(word)) < FEWEST_DRAWS:
+        raise argparse.ArgumentTypeError(f"{word}: an interval takes {FEWEST_DRAWS} or more")
+    return count
+
+
 def setting(word: str) -> tuple[str, Any]:
     """NAME=VALUE; the value as Python would read it, or as text."""
     name, given, value = word.partition("=")
@@ -74,28 +93,40 @@ def setting(word: str) -> tuple[str, Any]:
 
 
 def _files(line: ArgumentParser) -> None:
-    line.add_argument("files", nargs="+", metavar="FILE", help="a packing, in any format known")
+    line.add_argument(
+        "files", nargs="+", metavar="FILE",
+        help="a packing: npz, CSV, or what LAMMPS, LIGGGHTS, YADE, MercuryDPM, PeGS write",
+    )  # fmt: skip
     line.add_argument("--format", metavar="NAME", help="of the file; left out, it is recognised")
-    line.add_argument("--contacts", metavar="FILE", help="a second file that holds the contacts")
+    line.add_argument(
+        "--contacts", metavar="FILE",
+        help="a second file that holds the contacts; left out, one beside FILE whose name says so",
+    )  # fmt: skip
     line.add_argument(
         "--set", action="append", type=setting, metavar="NAME=VALUE",
-        help="an option of the format, several times if need be",
+        help="an option of the format, several times if need be: --set sizes=diameters",
     )  # fmt: skip
 
 
 def _data(line: ArgumentParser) -> None:
     _files(line)
     told = line.add_argument_group("what you know (in the units of the file)")
-    told.add_argument("--stiffness", type=positive, metavar="κ", help="force per length")
+    told.add_argument(
+        "--stiffness", type=positive, metavar="κ",
+        help="of a contact, a linear spring: its normal force over its overlap",
+    )  # fmt: skip
     told.add_argument("--friction", type=from_zero, metavar="μ", help="Coulomb coefficient")
-    told.add_argument("--pressure", type=positive, metavar="p", help="force per length")
+    told.add_argument(
+        "--pressure", type=positive, metavar="p", help="in two dimensions: force per length"
+    )
     told.add_argument(
         "--noise", type=from_zero, metavar="ξ",
         help="standard deviation of a coordinate; left out, that of rounding",
     )  # fmt: skip
     told.add_argument(
-        "--size-noise", type=from_zero, metavar="ξ", help="standard deviation of a diameter"
-    )
+        "--size-noise", type=from_zero, metavar="ξ",
+        help="standard deviation of a diameter; of the two noises, one told alone: the other is 0",
+    )  # fmt: skip
     told.add_argument(
         "--gap", type=from_zero, default=0.0, metavar="g",
         help="where no contacts are listed: grains closer than this touch",
@@ -104,48 +135,84 @@ def _data(line: ArgumentParser) -> None:
 
 def _read(line: ArgumentParser) -> None:
     _files(line)
-    line.add_argument("--out", metavar="FILE", help="where to write; default: NAME.npz here")
+    line.add_argument(
+        "--out", metavar="FILE", type=ending(".npz", ".csv"),
+        help="npz, or CSV tables by its ending; default: NAME.npz here",
+    )  # fmt: skip
 
 
 def _solving(line: ArgumentParser) -> None:
     _data(line)
     line.add_argument("--method", choices=METHODS, help="left out, the best of what is known")
-    line.add_argument("--draws", type=whole, metavar="n", help="for intervals of bounded")
+    line.add_argument(
+        "--draws", type=draws, metavar="n",
+        help="for intervals of bounded; default 8000/N, within 8 and 40",
+    )  # fmt: skip
 
 
 def _forces(line: ArgumentParser) -> None:
     _solving(line)
     line.add_argument(
-        "--out", metavar="FILE", help="CSV, or VTK by its ending; default: NAME-forces.csv here"
-    )
-    line.add_argument("--picture", metavar="FILE", help="PNG, PDF or SVG of the force chains")
+        "--out", metavar="FILE", type=ending(".csv", ".vtk"),
+        help="CSV, or VTK by its ending; default: NAME-forces.csv here",
+    )  # fmt: skip
+    line.add_argument(
+        "--picture", metavar="FILE", type=ending(".png", ".pdf", ".svg"),
+        help="PNG, PDF or SVG of the force chains",
+    )  # fmt: skip
 
 
 def _report(line: ArgumentParser) -> None:
     _solving(line)
-    line.add_argument("--out", metavar="FILE", help="default: NAME-report.html here")
+    line.add_argument(
+        "--out", metavar="FILE", type=ending(".html", ".htm"),
+        help="default: NAME-report.html here",
+    )  # fmt: skip
 
 
 def _need(line: ArgumentParser) -> None:
     line.add_argument("--material", choices=MATERIALS, help="instead of --modulus and --poisson")
     line.add_argument("--modulus", type=positive, metavar="E", help="Young's modulus, Pa")
-    line.add_argument("--poisson", type=number, default=0.3, metavar="ν", help="default 0.3")
+    line.add_argument("--poisson", type=number, metavar="ν", help="default 0.3")
     line.add_argument("--pressure", type=positive, metavar="p", help="Pa")
     line.add_argument("--diameter", type=positive, metavar="d", help="mean diameter, m")
     line.add_argument("--law", choices=("hertz", "linear"), default="hertz", help="default hertz")
-    line.add_argument("--error", type=positive, default=0.1, metavar="E", help="default 0.1")
+    line.add_argument(
+        "--error", type=positive, default=0.1, metavar="E",
+        help="that forces may have, over the mean force; default 0.1",
+    )  # fmt: skip
 
 
 def _prepare(line: ArgumentParser) -> None:
-    line.add_argument("out", metavar="OUT.npz", help="the packing")
+    line.add_argument("out", metavar="OUT.npz", type=ending(".npz"), help="the packing")
     line.add_argument("--grains", type=whole, default=1000, metavar="N", help="default 1000")
-    line.add_argument("--delta", type=positive, default=1e-4, metavar="Δ", help="default 1e-4")
-    line.add_argument("--friction", type=from_zero, default=0.3, metavar="μ", help="default 0.3")
-    line.add_argument("--polydispersity", type=from_zero, default=0.3, metavar="s")
-    line.add_argument("--boundary", choices=BOUNDARIES, default="periodic")
-    line.add_argument("--contact", choices=("linear", "hertz"), default="linear")
-    line.add_argument("--gravity", type=from_zero, default=0.0, metavar="g")
-    line.add_argument("--seed", type=whole, default=1, metavar="n", help="default 1")
+    line.add_argument(
+        "--delta", type=positive, default=1e-4, metavar="Δ",
+        help="deformation of the grains by the pressure, in mean diameters; default 1e-4",
+    )  # fmt: skip
+    line.add_argument(
+        "--friction", type=from_zero, default=0.3, metavar="μ",
+        help="Coulomb coefficient; default 0.3",
+    )  # fmt: skip
+    line.add_argument(
+        "--polydispersity", type=from_zero, default=0.3, metavar="s",
+        help="radii are uniform within ± s of their mean; default 0.3",
+    )  # fmt: skip
+    line.add_argument(
+        "--boundary", choices=BOUNDARIES, default="periodic",
+        help="walls: floor and pressed top; box: sides too; default periodic",
+    )  # fmt: skip
+    line.add_argument(
+        "--contact", choices=("linear", "hertz"), default="linear",
+        help="springs, or elastic spheres; default linear",
+    )  # fmt: skip
+    line.add_argument(
+        "--gravity", type=from_zero, default=0.0, metavar="g",
+        help="in κ/(ρ⟨σ⟩²), between walls: at p/10 ten grains weigh as the top presses; default 0",
+    )  # fmt: skip
+    line.add_argument(
+        "--seed", type=whole, default=1, metavar="n", help="of another packing; default 1"
+    )
     line.add_argument("--quiet", action="store_true", help="no bar of progress")
 
 

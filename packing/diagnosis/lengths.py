@@ -91,14 +91,16 @@ def coarseness(seen: Seen) -> Iterator[Note]:
         return
     size = max(abs(float(δ.mean())), how.noise / np.sqrt(len(δ)))
     E = PREFACTOR * how.noise / size
-    six = how.kind == "6 digits"
+    said = f"the {name} are written with {how.kind}: noise of {how.noise:.2g} beside a mean "
+    if float(δ.mean()) > 0:
+        said += f"overlap of {mean:.2g}. Forces from them have an error of E ≈ {E:.2g}"
+    else:  # gaps say nothing of how much grains are deformed
+        said += f"gap of {-float(δ.mean()):.2g}. No overlap shows what error forces from them have"
     yield Note(
         "warning",
-        "six-digit-coordinates" if six else "coarse-coordinates",
-        f"the {name} are written with {how.kind}: noise of {how.noise:.2g} beside a mean "
-        f"overlap of {mean:.2g}. Forces from them have an error of E ≈ {E:.2g}; write them with "
-        "all digits (%.17g)",
-        number=E,
+        "six-digit-coordinates" if how.kind == "6 digits" else "coarse-coordinates",
+        f"{said}; write them with all digits (%.17g)",
+        number=E if float(δ.mean()) > 0 else None,
     )
 
 

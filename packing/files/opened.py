@@ -17,6 +17,8 @@ from packing.files.npz import naming_path
 from packing.files.problem import FileProblem
 from packing.files.text import Text
 
+_WIDE = (b"\xff\xfe", b"\xfe\xff")
+"""How text of 16 bits begins, which some programs of Windows write."""
 _GZIP = b"\x1f\x8b"
 _PER_BYTE = 30
 """Bytes of memory that a byte of text takes while it is read: each number becomes a string."""
@@ -33,10 +35,10 @@ def text_of(path: Path) -> Text:
     """
     empty = Text(path, [])
     data = _bytes(path)
-    if b"\0" in data and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
+    wide = data.startswith(_WIDE)
+    if b"\0" in data and not wide:
         raise empty.problem("binary", f"the file is no text: byte {data.index(0)} is 0")
     try:
-        wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
         whole = data.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start)
@@ -61,7 +63,9 @@ def text_of(path: Path) -> Text:
 def head_of(path: Path, size: int = 4096) -> str:
     """The beginning of the file as text, unpacked; what is no text is replaced."""
     try:
-        return _bytes(path, size).decode("utf-8-sig", errors="replace")
+        data = _bytes(path, size)
+        wide = data.startswith(_WIDE)
+        return data.decode("utf-16" if wide else "utf-8-sig", errors="replace")
     except FileProblem:
         return ""
 

@@ -120,7 +120,9 @@ class Text:
         return table
 
     def _uneven(self, line: int, row: list[str], width: int) -> FileProblem:
-        comma = any(_COMMA.match(word) for word in row)
+        comma = any(_COMMA.match(word) for word in row) or (
+            width < len(row) < 2 * width and all(word.lstrip("+-").isdigit() for word in row)
+        )  # whole numbers alone, and too many: each comma of a number separated two of them
         last = line == len(self.lines) - 1 and len(row) < width
         name = "decimal-comma" if comma else "cut-short" if last else "uneven-rows"
         hint = ": numbers are written with a decimal comma" if comma else ""

@@ -6,13 +6,18 @@ import math
 
 UNITS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (1e-12, "pm"))
 
+ROUND_OFF = 2.0**-53
+"""No double is better than that, whatever an error map makes of it."""
+
 
 def percent(error: float) -> str:
-    """An error in percent with two digits, from a percent of a percent on as a power of ten."""
+    """An error in percent with two digits, below a percent of a percent as a power of ten."""
     if not math.isfinite(error):
         return "no"
     if error >= 9.95:
         return f"{error:.0f} times the mean force"
+    if 0 < error < ROUND_OFF:
+        return "below 1e-16"
     if error < 1e-4:
         return power(error)
     value = 100 * error

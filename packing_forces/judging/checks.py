@@ -22,6 +22,8 @@ from scaling.equation.loads import refuse_unbalanced
 
 HOPELESS = 0.5
 """Error of the guess that all forces are equal: an estimate that is worse is none."""
+REVERSED = 0.9
+"""So many of the contacts of grains at rest do not pull."""
 WORTH_SAYING = 0.1
 """Error of least squares that is marked."""
 
@@ -174,7 +176,9 @@ def _coulomb(case: Case) -> list[Check]:
     pulling = int((case.normal < 0).sum())
     found = []
     if pulling:
-        said = f"{pulling} contacts pull, f_n < 0"
+        said = f"{pulling} of {len(case.normal)} contacts pull, f_n < 0"
+        if pulling > REVERSED * len(case.normal):
+            said += ": is compression negative in this file? Here it is positive"
         found.append(Check("pulling", said, pulling, worry=True))
     if case.tangential is None or not case.frictional:
         return found

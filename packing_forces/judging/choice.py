@@ -65,7 +65,8 @@ def choice(case: Case, method: str | None = None) -> Choice:
         )
     best = min(known, key=lambda name: known[name].error)
     if "gppsz" in known and known["gppsz"].error < EXACT:
-        why = f"lengths are known to {power(case.ratio or 0.0)} Δ: Eq. 1 as it stands"
+        known_to = "so well" if case.ratio is None else f"to {power(case.ratio)} Δ"
+        why = f"lengths are known {known_to}: Eq. 1 as it stands"
         return Choice("gppsz", why, options_of(case, "gppsz"), known)
     if case.linear and (case.ratio or 0.0) > WORTH and _bounded_can(case):
         why = f"ξ/Δ = {power(case.ratio or 0.0)}, and friction and load are known"

@@ -20,6 +20,8 @@ EXACT = 1e-3
 """True error over the one expected, below which the noise told is not in the data."""
 CONTRADICTED = 2.0
 """Misfit, χ² per degree of freedom, beyond which error bars say too little."""
+UNBALANCED, BEYOND = 0.01, 30.0
+"""Imbalance, in mean normal forces and in errors expected, beyond which these say too little."""
 FLAT = 0.5
 """E of the guess that all forces are equal."""
 
@@ -32,20 +34,38 @@ def verdict(case: Case, chosen: Choice, found: Found) -> str:
             f"Against the forces of the file {found.method} is off by {percent(found.true_error)}"
             f"{_their_balance(case, found)}."
         )
-        if found.error is not None and found.true_error < EXACT * found.error:
+        if exact_lengths(found):
             said.append("Its lengths are exact: the errors are those that such noise would make.")
     if found.error is not None and found.error > FLAT:
         said.append("That is no better than to take all forces for equal.")
-    misfit = found.result.misfit
+    said += contradicted(found)
+    advice = _digits(case, chosen.expected.get("gppsz"))
+    if advice:
+        said.append(advice)
+    return " ".join(said)
+
+
+def exact_lengths(found: Found) -> bool:
+    """Whether the noise that was told is not in the data: forces come out far too well."""
+    known = found.error is not None and found.true_error is not None
+    return known and found.true_error < EXACT * found.error  # type: ignore[operator]
+
+
+def contradicted(found: Found) -> list[str]:
+    """Why error bars say too little: nothing, where the data do not contradict what was told."""
+    said = []
+    misfit, left = found.result.misfit, found.result.imbalance
     if misfit is not None and misfit > CONTRADICTED:
         said.append(
             f"The data contradict what was told (misfit {misfit:.3g} instead of 1): do not trust "
             "these error bars."
         )
-    advice = _digits(case, chosen.expected.get("gppsz"))
-    if advice:
-        said.append(advice)
-    return " ".join(said)
+    if found.error is not None and left > max(UNBALANCED, BEYOND * found.error):
+        said.append(
+            f"A grain is out of balance by {power(left)} mean normal forces, which such errors do "
+            "not explain: contacts, loads or friction are not as told."
+        )
+    return said
 
 
 def _their_balance(case: Case, found: Found) -> str:

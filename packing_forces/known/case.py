@@ -35,6 +35,11 @@ from scaling import (
 BALANCED = 1e-2
 """Forces that balance to this, rms over rows, in ⟨f_n⟩, are those of grains at rest."""
 
+AGREES = 0.05
+"""So far a stiffness that is told may be from that of forces over overlaps, as in `read`."""
+SAME_PRESSURE = 0.3
+"""So far a pressure that is told may be from that of the forces, which weight makes uneven."""
+
 
 @dataclass(frozen=True, eq=False)
 class Case:
@@ -119,8 +124,11 @@ def case_of(data: Packing | Measurement, name: str, told: Told, notes: tuple[Not
     if pressure is None and normal is not None:
         pressure = pressure_of(network, normal)
     friction = told.friction if told.friction is not None else data.friction
+    law = _law(data, network, told)
+    if isinstance(data, Packing) and normal is not None:
+        _refuse_contradicted(name, network, told, law, normal)
     return Case(
-        name, data, network, frictional, _law(data, network, told), pressure, friction, normal,
+        name, data, network, frictional, law, pressure, friction, normal,
         tangential, data_noise(data, network, told.position_noise, told.size_noise), notes,
     )  # fmt: skip
 
@@ -164,6 +172,29 @@ def _law(data: Packing | Measurement, network: ContactNetwork, told: Told) -> Co
     if data.law is not None:
         return data.law
     return None if data.stiffness is None else law_of(data.stiffness)
+
+
+def _refuse_contradicted(
+    name: str, network: ContactNetwork, told: Told, law: ContactLaw | None, normal: Floats
+) -> None:
+    """Refused: forces at rest are not those of the stiffness told at their overlaps, or not those
+    of the pressure told."""
+    if told.stiffness is not None and law is not None and network.positions is not None:
+        there, meant = float(normal.sum()), float(law.force(network.overlaps).sum())
+        if there > 0 and not abs(meant / there - 1) < AGREES:
+            raise Refused(
+                f"{name}: --stiffness {told.stiffness:g} makes of the overlaps "
+                f"{meant / there:.3g} times the forces of the file: it is not that of these "
+                "units, or contacts are no linear springs"
+            )
+    if told.pressure is None or network.cell is None:
+        return
+    of_forces = pressure_of(network, normal)
+    if of_forces is not None and not abs(told.pressure / of_forces - 1) < SAME_PRESSURE:
+        raise Refused(
+            f"{name}: --pressure {told.pressure:g} is {told.pressure / of_forces:.3g} times "
+            f"that of the forces of the file, {of_forces:.4g}"
+        )
 
 
 def pressure_of(network: ContactNetwork, normal: Floats) -> float | None:

@@ -11,12 +11,16 @@ from packing.measurement import Measurement
 from packing.note import Note
 from packing.reading import notes, read
 from packing.record import Packing
+from packing_forces.answers.answer import Refused
 from packing_forces.known.case import Case, case_of
 from packing_forces.known.told import Told
 
 
 def loaded(path: str, options: Namespace) -> tuple[Packing | Measurement, tuple[Note, ...]]:
     """What the file holds, and what is to be said of it. ValueError, OSError: it is none."""
+    for given in (path, options.contacts):
+        if given is not None and Path(given).is_dir():
+            raise Refused(f"{given}: a folder, and no file")
     more: dict[str, Any] = dict(options.set or ())
     if options.contacts is not None:
         more["contacts"] = options.contacts

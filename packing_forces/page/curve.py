@@ -127,5 +127,5 @@ def drawn(curve: Curve) -> Figure:
     )
     least = min([*curve.prefactors.values(), 0.02]) * low
     axes.set_ylim(max(least, 1e-16), 1e2)
-    axes.legend(fontsize=7.5, frameon=False, loc="upper left")
+    axes.legend(fontsize=7.5, loc="lower right", framealpha=0.9, edgecolor="none")
     return figure

@@ -15,7 +15,7 @@ from packing_forces.answers.words import percent, power
 from packing_forces.judging.checks import Check, verdict_of
 from packing_forces.judging.choice import Choice
 from packing_forces.judging.found import LEVEL, Found
-from packing_forces.judging.verdict import errors, verdict
+from packing_forces.judging.verdict import contradicted, errors, exact_lengths, verdict
 from packing_forces.known.case import Case, facts_of
 from packing_forces.page import html, pictures
 from packing_forces.page.curve import curve, drawn
@@ -39,7 +39,7 @@ def _parts(
         yield _verdict(no, good=False)
         yield html.section("packing", "The packing", _contacts(case))
     else:
-        good = found.error is not None and found.error < FLAT
+        good = found.error is not None and found.error < FLAT and not contradicted(found)
         yield _verdict(verdict(case, chosen, found), good=good, how=_how(chosen, found))
         scale = float(np.abs(found.result.normal).mean()) or 1.0
         if case.normal is not None:
@@ -162,7 +162,11 @@ def _intervals(case: Case, found: Found) -> Iterator[str]:
         held = (case.normal >= low[:c] - slack) & (case.normal <= high[:c] + slack)
         yield html.paragraph(
             f"{100 * held.mean():.0f} % of the intervals of f_n hold the true force; "
-            f"{100 * LEVEL:.0f} % should."
+            + (
+                "all should, as its lengths are exact."
+                if exact_lengths(found)
+                else f"{100 * LEVEL:.0f} % should."
+            )
         )
     strongest = np.argsort(found.result.normal)[::-1][:SHOWN]
     rows = []

@@ -8,6 +8,7 @@ from typing import Any
 
 from packing.writing import write as write_packing
 from packing_forces.answers.answer import Answer, Refused
+from packing_forces.answers.file_names import stem, to_write
 from packing_forces.judging.choice import Choice, choice
 from packing_forces.judging.found import Found, find
 from packing_forces.judging.table import write
@@ -19,9 +20,9 @@ from packing_forces.known.loading import case_from
 def answer(options: Namespace) -> Answer:
     """Choose, solve, write, draw."""
     case = case_from(options.file, options)
+    out = to_write(Path(options.out or f"{stem(options.file)}-forces.csv"), options)
     chosen = choice(case, options.method)
     found = find(case, chosen, draws=options.draws)
-    out = Path(options.out or f"{_stem(options.file)}-forces.csv")
     if out.suffix == ".vtk":
         _write_vtk(out, case, found)
     else:
@@ -30,7 +31,7 @@ def answer(options: Namespace) -> Answer:
     lines.append(f"written to {out}")
     facts = facts_of(case) | solved(case, chosen, found) | {"out": str(out)}
     if options.picture:
-        draw(case, found, Path(options.picture))
+        draw(case, found, to_write(Path(options.picture), options))
         lines.append(f"drawn to {options.picture}")
         facts["picture"] = options.picture
     return Answer(tuple(lines), facts)
@@ -57,7 +58,8 @@ def summary(case: Case, chosen: Choice, found: Found) -> list[str]:
         f"  evidence: imbalance {r.imbalance:.1e} ⟨f_n⟩, solution to {r.error_estimate:.1e}"
         f"{misfit}; {negative} of {len(r.normal)} contacts pull"
     )
-    return lines + [f"  warning: {said}" for said in found.warned]
+    lines += [f"  warning: {said}" for said in found.warned]
+    return lines + [f"  warning: {note}" for note in case.notes if note.severity == "warning"]
 
 
 def solved(case: Case, chosen: Choice, found: Found) -> dict[str, Any]:
@@ -70,6 +72,7 @@ def solved(case: Case, chosen: Choice, found: Found) -> dict[str, Any]:
         "verdict": verdict(case, chosen, found), "imbalance": r.imbalance, "misfit": r.misfit,
         "error_estimate": r.error_estimate, "mean_normal_force": float(r.normal.mean()),
         "pulling": int((r.normal < 0).sum()), "warnings": list(found.warned),
+        "notes": [note.plain() for note in case.notes],
     }  # fmt: skip
 
 
@@ -83,7 +86,3 @@ def draw(case: Case, found: Found, path: Path) -> None:
     axes = plot(case.network, found.result, axes=figure.subplots())
     axes.set_title(f"{case.name}: normal forces by {found.method}", fontsize=9)
     figure.savefig(path, dpi=200)
-
-
-def _stem(path: str) -> str:
-    return Path(path).name.partition(".")[0]

@@ -10,20 +10,26 @@ from packing_forces.answers.words import length, power
 from packing_forces.judging.materials import MATERIALS, Material
 from packing_forces.judging.need import FLAT_GUESS, Need, delta_of, need
 
+POISSON = 0.3
+"""Of a material that is told by its modulus alone."""
+
 
 def answer(options: Namespace) -> Answer:
     """For one material and pressure, or the table of materials."""
     if options.material and options.modulus:
         raise Refused("--material and --modulus both say how stiff the grains are: give one")
+    if options.material and options.poisson is not None:
+        raise Refused("--poisson goes with --modulus: --material has its own")
     if not options.material and not options.modulus:
         return _table(options)
     grains = MATERIALS[options.material] if options.material else None
     modulus = grains.modulus if grains else options.modulus
     poisson = grains.poisson if grains else options.poisson
+    poisson = POISSON if poisson is None else poisson
     if options.pressure is None:
         raise Refused("--pressure is needed: Δ is what it makes of the grains")
     delta = delta_of(modulus, poisson, options.pressure, options.law)
-    found = need(delta, options.error)
+    found = need(delta, options.error, options.law)
     lines = [_heading(options, grains, modulus, poisson, delta), ""]
     lines += _lines(found, options.diameter)
     facts: dict[str, Any] = {
@@ -78,7 +84,7 @@ def _table(options: Namespace) -> Answer:
         except ValueError as refusal:
             lines.append(f"{name:13} {power(m.modulus):>8} {m.poisson:5.2f}  {refusal}")
             continue
-        xi = need(delta, options.error).precision["diameter"]["gppsz"]
+        xi = need(delta, options.error, options.law).precision["diameter"]["gppsz"]
         lines.append(
             f"{name:13} {power(m.modulus):>8} {m.poisson:5.2f} {power(delta):>8}  "
             f"{length(xi, options.diameter):20} {span}"

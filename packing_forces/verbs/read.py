@@ -8,10 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from packing.contact_law import ContactLaw, Hertz
 from packing.measurement import Measurement
 from packing.record import Packing
 from packing.writing import write
 from packing_forces.answers.answer import Answer
+from packing_forces.answers.file_names import stem, to_write
+from packing_forces.known.case import law_in_words
 from packing_forces.known.loading import loaded
 
 ARRAYS = (
@@ -24,14 +27,14 @@ NUMBERS = ("stiffness", "pressure", "friction")
 def answer(options: Namespace) -> Answer:
     """Read, say, write."""
     data, said = loaded(options.file, options)
-    out = Path(options.out or f"{Path(options.file).name.partition('.')[0]}.npz")
+    out = Path(options.out or f"{stem(options.file)}.npz")
     made, written = [str(out)], f"written to {out}"
     if out.resolve() == Path(options.file).resolve():
         made, written = [], "nothing to write: the file is an npz"
-    elif isinstance(data, Packing):
+    elif isinstance(data, Packing) and out.suffix == ".npz":
         data.save(out)
     else:
-        made, written = _tables(data, out)
+        made, written = _tables(data, out, options)
     lines = [f"{Path(options.file).name}: {_kind(data)}"]
     lines += [f"  {line}" for line in _held(data)]
     lines += [f"  {note.severity}: {note}" for note in said]
@@ -60,7 +63,13 @@ def _held(data: Packing | Measurement) -> list[str]:
     contacts = "no contacts" if data.pairs is None else f"{len(data.pairs)} contacts"
     cell = "open" if data.cell is None else "periodic"
     lines = [f"{len(data.positions)} grains, {contacts}, {cell}"]
-    numbers = [f"{n} = {getattr(data, n):.6g}" for n in NUMBERS if getattr(data, n) is not None]
+    law = _law(data)
+    curved = isinstance(law, Hertz)  # the stiffness of a record is then that at the pressure
+    numbers = [
+        law_in_words(law) if n == "stiffness" and curved else f"{n} = {getattr(data, n):.6g}"
+        for n in NUMBERS
+        if getattr(data, n) is not None
+    ]
     if numbers:
         lines.append(", ".join(numbers))
     lines.append("known: " + ", ".join(_known(data)))
@@ -76,7 +85,22 @@ def _held(data: Packing | Measurement) -> list[str]:
     return lines
 
 
-def _tables(data: Measurement, out: Path) -> tuple[list[str], str]:
+def _law(data: Packing | Measurement) -> ContactLaw | None:
+    try:
+        return data.law
+    except ValueError:  # a law of somebody else's
+        return None
+
+
+def _tables(data: Packing | Measurement, out: Path, options: Namespace) -> tuple[list[str], str]:
     """As tables that can be read again: an npz holds packings at rest."""
-    made = [str(path) for path in write(out.with_suffix(".csv"), data)]
-    return made, f"written to {' and '.join(made)}: no packing at rest, so tables instead of npz"
+    target = out.with_name(out.name.removesuffix(out.suffix) + ".csv")
+    name = target.name.removesuffix(".grains.csv").removesuffix(".csv")
+    tables = [target.with_name(f"{name}.{kind}.csv") for kind in ("grains", "contacts")]
+    if options.out is None and tables[0].resolve() == Path(options.file).resolve():
+        return [], "nothing to write: the file is a table, and no packing at rest"
+    for table in tables:
+        to_write(table, options)
+    made = [str(path) for path in write(target, data)]
+    why = "" if isinstance(data, Packing) else ": no packing at rest, so tables instead of npz"
+    return made, f"written to {' and '.join(made)}{why if out.suffix == '.npz' else ''}"

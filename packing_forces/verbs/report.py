@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from packing_forces.answers.answer import ANSWERED, REFUSED, Answer, Refused
+from packing_forces.answers.file_names import stem, to_write
 from packing_forces.judging.checks import checks, verdict_of
 from packing_forces.judging.choice import choice
 from packing_forces.judging.found import find
@@ -19,7 +20,7 @@ from packing_forces.verbs.forces import solved, summary
 def answer(options: Namespace) -> Answer:
     """Check, solve, write; where forces are refused the page says so, and the exit code is 1."""
     case = case_from(options.file, options)
-    out = Path(options.out or f"{Path(options.file).name.partition('.')[0]}-report.html")
+    out = to_write(Path(options.out or f"{stem(options.file)}-report.html"), options)
     looked = checks(case)
     facts: dict[str, Any] = facts_of(case) | {"out": str(out)}
     try:

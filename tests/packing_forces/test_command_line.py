@@ -11,6 +11,7 @@ import pytest
 from packing.contact_law import Hertz, Linear, PerContact
 from packing_forces.judging.materials import MATERIALS
 from packing_forces.known.case import law_in_words
+from packing_forces.options import FIGURES as COUNT
 from packing_forces.options import MATERIALS as NAMED
 from packing_forces.options import METHODS, VERBS
 from paper_figs.__main__ import FIGURES
@@ -60,7 +61,7 @@ def test_names_are_those_of_the_packages():
     """Written out where nothing may be loaded, so they have to be held together here."""
     assert set(METHODS) == set(ESTIMATORS)
     assert set(NAMED) == set(MATERIALS)
-    assert len(FIGURES) == 8
+    assert len(FIGURES) == COUNT
 
 
 @pytest.mark.parametrize(
@@ -71,6 +72,10 @@ def test_names_are_those_of_the_packages():
         ["forces", "a", "--method", "magic"], ["figure", "9"], ["figure", "six"],
         ["need", "--modulus", "0"], ["prepare"], ["read", "a", "--set", "radius"],
         ["check", "a", "--gap", "inf"],
+        ["prepare", "packing.txt"], ["report", "a", "--out", "a.npz"],
+        ["forces", "a", "--out", "a.npz"], ["forces", "a", "--picture", "a.doc"],
+        ["forces", "a", "--draws", "0"], ["forces", "a", "--draws", "7"],
+        ["forces", "a.npz", "b.npz", "--out", "both.csv"], ["forces", "a.npz", "in/a.npz"],
     ],
 )  # fmt: skip
 def test_wrong_usage_is_2(ask, words):
