@@ -11,6 +11,9 @@ from pathlib import Path
 
 from packing_forces.answers.answer import Refused
 
+PAIR = (".grains.csv", ".contacts.csv")
+"""Endings of tables that are read together, by the name of one of them."""
+
 
 def stem(path: str) -> str:
     """The name without its folder and its endings.
@@ -25,9 +28,13 @@ def stem(path: str) -> str:
 
 
 def to_write(out: Path, options: Namespace) -> Path:
-    """The path itself, its folder made. Refused: it is that of a file that was given."""
-    for given in (options.file, options.contacts):
-        if given is not None and out.resolve() == Path(given).resolve():
+    """The path itself, its folder made. Refused: it is that of a file that was given, or of the
+    other table of a pair."""
+    files = [Path(given) for given in (options.file, options.contacts) if given is not None]
+    if files[0].name.endswith(PAIR):
+        files += [files[0].with_name(stem(options.file) + pair) for pair in PAIR]
+    for given in files:
+        if out.resolve() == given.resolve():
             raise Refused(
                 f"{out}: would be written over, but is the file that was given; see --out"
             )

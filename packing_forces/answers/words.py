@@ -17,7 +17,7 @@ def percent(error: float) -> str:
     if error >= 9.95:
         return f"{error:.0f} times the mean force"
     if 0 < error < ROUND_OFF:
-        return "below 1e-16"
+        return "less than 1e-16"
     if error < 1e-4:
         return power(error)
     value = 100 * error

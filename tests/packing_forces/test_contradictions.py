@@ -63,7 +63,7 @@ def test_warnings_of_the_file_stand_beside_its_forces(ask, files):
 
 
 def test_no_error_is_below_that_of_a_double():
-    assert percent(3.6e-31) == "below 1e-16"
+    assert percent(3.6e-31) == "less than 1e-16"
     assert percent(2e-16) == "2e-16"
     assert percent(0.0) == "0"
 

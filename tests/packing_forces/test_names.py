@@ -30,6 +30,9 @@ def test_what_was_given_is_not_written_over(tmp_path):
     for name in ("a.csv", "b.csv"):
         with pytest.raises(Refused, match=f"{name}: would be written over"):
             to_write(tmp_path / "." / name, given)
+    tables = SimpleNamespace(file=str(tmp_path / "m.grains.csv"), contacts=None)
+    with pytest.raises(Refused, match=r"m\.contacts\.csv: would be written over"):
+        to_write(tmp_path / "m.contacts.csv", tables)
     assert to_write(tmp_path / "new" / "c.csv", given).parent.is_dir()
 
 
