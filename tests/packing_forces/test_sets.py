@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
 
+from tests.packing.foreign import foreign
 from tests.packing_forces.sets import SETS, words
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "real_data.md"
@@ -14,12 +14,9 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "real_data.md"
 
 def present(name):
     """The words for a set; skip where it is not at hand, by name."""
-    folder = os.environ.get("PACKING_DATA")
-    if not folder:
-        pytest.skip(f"{name}: PACKING_DATA names no folder")
-    found = words(SETS[name], Path(folder))
+    found = words(SETS[name], foreign())
     if not Path(found[0]).exists():
-        pytest.skip(f"{name} is not in the folder of PACKING_DATA")
+        pytest.skip(f"{name} is in neither PACKING_DATA nor ../shared/data")
     return found
 
 

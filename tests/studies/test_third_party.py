@@ -15,15 +15,18 @@ from studies.registry import STUDIES
 from studies.run import Run
 from studies.third_party import SETS, third_party
 from tests.conftest import packing
+from tests.packing.foreign import foreign as foreign_data
 
 pytest.importorskip("clarabel", reason="balance with inequalities needs clarabel")
 
 
 def set_named(name):
-    try:
-        return third_party(name)
-    except FileNotFoundError as gone:
-        pytest.skip(str(gone))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PACKING_DATA", str(foreign_data()))
+        try:
+            return third_party(name)
+        except FileNotFoundError as gone:
+            pytest.skip(str(gone))
 
 
 def test_balance_finds_forces_of_which_nothing_was_missed():
