@@ -69,13 +69,21 @@ def choice(case: Case, method: str | None = None) -> Choice:
         why = f"lengths are known {known_to}: Eq. 1 as it stands"
         return Choice("gppsz", why, options_of(case, "gppsz"), known)
     if case.linear and (case.ratio or 0.0) > WORTH and _bounded_can(case):
-        why = f"ξ/Δ = {power(case.ratio or 0.0)}, and friction and load are known"
+        known_too = "friction and load are known"
+        if _guessed(case):
+            known_too = "the load is known; friction is taken for the largest f_t/f_n of the file"
+        why = f"ξ/Δ = {power(case.ratio or 0.0)}, and {known_too}"
         return Choice("bounded", why, options_of(case, "bounded"), known)
     rest = ", ".join(f"{k} {percent(e.error)}" for k, e in known.items() if k != best)
     why = f"the least error to be expected, {percent(known[best].error)}" + (
         f" ({rest})" if rest else ""
     )
     return Choice(best, why, options_of(case, best), known)
+
+
+def _guessed(case: Case) -> bool:
+    """Whether μ is read off the forces, which shows that it is no less."""
+    return any(note.name == "guessed" and note.text.startswith("friction") for note in case.notes)
 
 
 def _without_law(case: Case) -> Choice:

@@ -25,8 +25,9 @@ def loaded(path: str, options: Namespace) -> tuple[Packing | Measurement, tuple[
     if options.contacts is not None:
         more["contacts"] = options.contacts
     data = _read(path, options, more)
-    said = {note.name: note for note in (*notes(data), *diagnose(data))}
-    return data, tuple(said.values())
+    read_off = notes(data)
+    names = {note.name for note in read_off}
+    return data, (*read_off, *(note for note in diagnose(data) if note.name not in names))
 
 
 def _read(path: str, options: Namespace, more: dict[str, Any]) -> Packing | Measurement:

@@ -11,6 +11,7 @@ from packing.measurement import Measurement
 from packing.writing import write
 from packing_forces.answers.words import percent
 from tests.conftest import packing
+from tests.packing_forces.dumps import write_dumps
 
 
 @pytest.mark.parametrize("words", [("--stiffness", "1000"), ("--stiffness", "0.9")])
@@ -57,9 +58,24 @@ def test_a_page_is_not_green_where_data_contradict(ask, files, tmp_path):
 
 def test_warnings_of_the_file_stand_beside_its_forces(ask, files):
     _, out, _ = ask("forces", files / "atoms.dump", "--stiffness", "1", "--method", "gppsz")
-    assert "warning: there is no list of contacts [no-contacts]" in out
+    assert "there is no list of contacts [no-contacts]" in out
     _, out, _ = ask("forces", files / "packing.npz")
     assert "warning" not in out
+
+
+def test_every_guess_is_said(ask, tmp_path):
+    """Columns and friction are two, by one name; friction that was told is no guess."""
+    atoms, contacts = write_dumps(packing(grains=40, delta=1e-2), tmp_path)
+    words = (atoms, "--contacts", contacts, "--json")
+    guesses = lambda out: [n["text"] for n in out["notes"] if n["name"] == "guessed"]  # noqa: E731
+    _, read, _ = ask("read", *words)
+    assert any("are the grains" in said for said in guesses(read))
+    told = ("--stiffness", "1", "--noise", "1e-3", "--draws", "8")
+    for friction, guessed in (((), True), (("--friction", "0.3"), False)):
+        _, out, _ = ask("forces", *words, *told, *friction)
+        assert out["method"] == "bounded"
+        assert any(said.startswith("friction") for said in guesses(out)) == guessed
+        assert ("the largest f_t/f_n of the file" in out["why"]) == guessed
 
 
 def test_no_error_is_below_that_of_a_double():
