@@ -303,7 +303,9 @@ def test_the_bound_of_figure_4_is_exact():
         assert found == pytest.approx(C / mean_force(p), rel=1e-6)
 
 
-@pytest.mark.parametrize("method", ["gppsz", "balanced", "optimal"])
+@pytest.mark.parametrize(
+    "method", ["gppsz", "balanced", pytest.param("optimal", marks=pytest.mark.nightly)]
+)
 def test_exact_means_of_figure_4_are_those_of_many_draws(packings, method):
     """At the largest ξ for which first order stands for the whole: noise on positions, 60 draws.
 

@@ -30,6 +30,7 @@ def test_every_mutation_is_found_in_the_code():
         assert sum(m.file.startswith(package) for m in ALL) >= 8
 
 
+@pytest.mark.nightly
 def test_the_noticed_and_the_unnoticed_are_told_apart(tree, capsys):
     before = (tree / "area.py").read_text()
     assert run([HALF], tree) == []

@@ -92,6 +92,7 @@ def test_readings_of_the_error_differ_by_exact_factors():
     assert C[0] < C[2] < C[1]
 
 
+@pytest.mark.nightly
 def test_growth_with_size_comes_from_the_windings_left_out():
     """K²/ℓ of 24 packings each of 40 and 160 grains: with faces alone it falls by more than four
     standard errors, and the windings take two thirds of that away at least."""

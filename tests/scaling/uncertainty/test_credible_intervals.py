@@ -47,6 +47,7 @@ def test_intervals_enclose_the_truth_and_narrow_with_the_data():
     assert np.mean(widths[0.1]) < 0.5 * np.mean(widths[1.0])
 
 
+@pytest.mark.nightly
 def test_intervals_widen_with_the_second_order_where_it_is_let_in():
     """Frictionless, ξ = 10 Δ: with one state of self-stress a packing is covered as one, from 0.15
     to 1, eight of them to 0.61 ± 0.12. With the second order fixed in all draws: 0.02."""

@@ -152,6 +152,7 @@ def test_assembled_matrices_are_those_of_the_force_equation(linearised, network)
     np.testing.assert_allclose(linearised.Q, equation.Q.toarray(), atol=2 * eps)
 
 
+@pytest.mark.nightly
 def test_bias_is_the_mean_over_noise(linearised, network, packing):
     """E[δf] = E[f₂] + O(ξ⁴), by a cubature exact for quadratic forms: ±√d along each axis."""
     xi = 1e-3 * packing.delta
