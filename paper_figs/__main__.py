@@ -1,6 +1,6 @@
 """The figures, each drawn from its table, and the tables that the docs quote.
 
-python -m paper_figs                        quick: a minute, to build/figures/
+python -m paper_figs                        quick: two minutes, to build/figures/
 python -m paper_figs --full                 publication version, to figures/
 python -m paper_figs --from-tables --full   from the committed tables, in seconds
 
