@@ -443,3 +443,16 @@ def test_a_missing_file_stays_a_missing_file(tmp_path):
         read(tmp_path / "none.csv")
     with pytest.raises(ValueError, match="is no file"):
         read(tmp_path)
+
+
+def test_springs_that_a_table_names_without_their_stiffness_are_told_it(tmp_path):
+    """κ that is told makes the law; control: without it there is none, and no other is refused."""
+    grains, contacts = tmp_path / "g.csv", tmp_path / "c.csv"
+    grains.write_text("# law: linear\nx,y,r\n0,0,0.5\n0.99,0,0.5\n1.98,0,0.5\n")
+    contacts.write_text("i,j\n0,1\n1,2\n")
+    told = read(grains, contacts=contacts, stiffness=2.0)
+    assert told.law == Linear(2.0, 0.5)
+    assert read(grains, contacts=contacts).law is None
+    grains.write_text(grains.read_text().replace("linear", "springs"))
+    with pytest.raises(FileProblem, match="neither 'linear' nor"):
+        read(grains, contacts=contacts)

@@ -38,17 +38,22 @@ def numbers_of(table: Table) -> dict[str, float]:
 
 
 def law_of(table: Table, numbers: dict[str, float]) -> ContactLaw | None:
-    """The contact law, if it is named: ``linear`` with the stiffness, ``hertz κ ν`` alone."""
+    """The contact law, if it is named with its κ: ``linear`` beside the stiffness, ``hertz κ ν``.
+
+    Springs whose κ is not in the file are left to what is told, or to what forces show.
+    """
     if "law" not in table.facts:
         return None
     words, line = table.facts["law"]
     kind, *rest = words.split() or [""]
+    if words == "linear" and "stiffness" not in numbers:
+        return None
     if kind == "linear" and "stiffness" in numbers:
         return Linear(numbers["stiffness"], numbers.get("stiffness_ratio", 0.5))
     if kind != "hertz" or len(rest) not in (1, 2):
         raise table.text.problem(
             "damaged",
-            f"the law {words!r} is neither 'linear' with a stiffness nor 'hertz κ ν'",
+            f"the law {words!r} is neither 'linear' nor 'hertz κ ν'",
             line,
         )
     try:
