@@ -1,6 +1,7 @@
 # make figures         the Comment's figures, quick edition, to build/figures/
 # make figures FULL=1  publication edition (N = 1000), to figures/
 # make test            lint, types and tests
+# make test-notebooks  the notebooks run, and what they assert
 # make test-lowest     the tests with the lowest versions that pyproject.toml declares
 # make test-browser    the report in a Chromium, with pictures of it in build/pictures/
 # make wheel           install as a user does, with all that is needed, and run the README's lines
@@ -32,7 +33,7 @@ DOCS = .venv-docs/bin/python
 LOWEST = .venv-lowest/bin/python
 INSTALL = -m pip install --quiet --disable-pip-version-check --editable
 
-.PHONY: figures test test-lowest test-browser wheel fuzz nightly mutation bench studies notebooks docs \
+.PHONY: figures test test-notebooks test-lowest test-browser wheel fuzz nightly mutation bench studies notebooks docs \
 	docs-pictures clean
 
 figures: .venv/ready$(if $(FULL),-full)
@@ -42,7 +43,10 @@ test: .venv-test/ready
 	$(TEST) -m ruff check .
 	$(TEST) -m ruff format --check .
 	$(TEST) -m mypy
-	$(TEST) -m pytest --numprocesses=2 --nbmake tests notebooks
+	$(TEST) -m pytest --numprocesses=2 tests
+
+test-notebooks: .venv-test/ready
+	$(TEST) -m pytest --numprocesses=2 --nbmake notebooks
 
 test-lowest: .venv-lowest/ready
 	$(LOWEST) -m pytest --numprocesses=2 --nbmake --disable-warnings tests notebooks

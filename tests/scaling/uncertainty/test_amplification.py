@@ -30,7 +30,7 @@ def test_triangle_by_hand():
     np.testing.assert_allclose(gain(triangle(), "direct"), direct, rtol=50 * EPS)
 
 
-def sampled(truth, method, noise, ξ, draws=300):
+def sampled(truth, method, noise, ξ, draws=120):
     """√⟨E²⟩ and its standard error, relative, from `draws` reconstructions."""
     rng, squares = np.random.default_rng(17), []
     given = {"normal_forces": truth.normal} if method == "transverse" else {}
@@ -47,7 +47,7 @@ def sampled(truth, method, noise, ξ, draws=300):
 @pytest.mark.parametrize("noise", ["diameter", "radius", "relative", "position"])
 @pytest.mark.parametrize("method", ["gppsz", "direct"])
 def test_sampled_error_agrees_with_exact_gain(method, noise, frictional):
-    """300 draws: within 4.5 standard errors (5 % each or less), for soft disks, Δ = 0.05.
+    """120 draws: within 4.5 standard errors (8 % each or less), for soft disks, Δ = 0.05.
 
     Position noise is linear for ξ → 0 only: at ξ = 1e-4 the second order is ~ 1e-4/0.05.
     """
@@ -63,7 +63,7 @@ def test_sampled_error_agrees_with_exact_gain(method, noise, frictional):
         stiffness=truth.stiffness if noise == "position" else None,
     )
     expected = K * truth.stiffness * ξ / mean_force(truth.forces, frictional=frictional)
-    assert spread < 0.05
+    assert spread < 0.08
     assert abs(E / expected - 1) < 4.5 * spread + 10 * ξ
 
 
