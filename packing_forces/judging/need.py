@@ -15,6 +15,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from packing.contact_law.material import hertz_stiffness
+
 #: C of E = C ξ/Δ at Δ = 1e-2, 1e-4, 1e-6.
 PREFACTORS = {
     "diameter": {
@@ -47,10 +49,8 @@ class Need:
 
 def delta_of(modulus: float, poisson: float, pressure: float, law: str) -> float:
     """Δ of a material under a pressure; ValueError: ν outside (-1, 0.5], or a Δ of no contact."""
-    if not -1 < poisson <= 0.5:
-        raise ValueError(f"poisson = {poisson:g} is outside (-1, 0.5]")
-    plane = modulus / (1 - poisson**2)
-    delta = pressure / plane if law == "linear" else (3 * pressure / plane) ** (2 / 3)
+    κ = hertz_stiffness(modulus, poisson)
+    delta = pressure / (3 * κ) if law == "linear" else (pressure / κ) ** (2 / 3)
     if delta > 0.2:
         raise ValueError(
             f"pressure = {pressure:g} Pa squeezes grains of {modulus:g} Pa by {delta:.2g} "

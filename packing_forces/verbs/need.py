@@ -5,9 +5,9 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import Any
 
+from packing.contact_law.material import MATERIALS, Material
 from packing_forces.answers.answer import Answer, Refused
 from packing_forces.answers.words import length, power
-from packing_forces.judging.materials import MATERIALS, Material
 from packing_forces.judging.need import FLAT_GUESS, Need, delta_of, need
 
 POISSON = 0.3

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from paper_figs.style import PALETTE, new_figure
 from studies.error_bars import standard_error
-from studies.experiment.sandpile import MATERIALS, MEASURED, SIZES, predict
+from studies.experiment.sandpile import GRAINS, MEASURED, SIZES, predict
 
 TABLES = ("sandpile",)
 
@@ -17,7 +17,7 @@ def plot(table: np.ndarray) -> Figure:
     weight adds to what lies above. (b) E against what the sizes of glass grains are known to:
     lines are C s/(d Δ), points measured, the band is a guess of equal forces."""
     figure, (a, b) = new_figure(4.6, 2)
-    for (name, _), colour, marker in zip(MATERIALS.items(), PALETTE, "os", strict=False):
+    for name, colour, marker in zip(GRAINS, PALETTE, "os", strict=False):
         mine = table[table["material"] == name]
         depths = np.unique(mine["depth"])
         some = [mine[mine["depth"] == h] for h in depths]

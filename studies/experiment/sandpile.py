@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from math import nan
 from typing import Any
 
@@ -23,6 +22,7 @@ import numpy as np
 
 from dem import Packing, Scene
 from dem.model.confinement import Strip
+from packing.contact_law.material import MATERIALS, Material
 from scaling import (
     ContactNetwork,
     amplification,
@@ -36,23 +36,7 @@ from scaling.algebra.evidence import NotAccurate
 from studies.error_bars import bar
 from studies.packing_store import FULL, SEED, Edition, make
 
-
-@dataclass(frozen=True)
-class Material:
-    """Young modulus in Pa, Poisson ratio, density in kg/m³."""
-
-    young: float
-    poisson: float
-    density: float
-
-    @property
-    def stiffness(self) -> float:
-        """κ in Pa."""
-        return self.young / (3 * (1 - self.poisson**2))
-
-
-MATERIALS = {"glass": Material(65e9, 0.23, 2500.0), "quartz": Material(95e9, 0.08, 2650.0)}
-"""Soda-lime glass; quartz as the mean over its directions."""
+GRAINS = ("glass", "sand")
 DIAMETER, GRAVITY, FILLED = 0.5e-3, 9.81, 0.6
 DEPTHS = (0.025, 0.05, 0.10, 0.20)
 """Of the top of the slab, m."""
@@ -85,7 +69,7 @@ def scene(material: Material, depth: float, wide: int, high: int) -> Scene:
 def compute(edition: Edition, pool: Executor) -> np.ndarray:
     """One row per material, depth and packing."""
     (wide, high), packings = ((50, 20), 3) if edition.packings == FULL.packings else ((15, 6), 2)
-    tasks = [(m, h, k) for m in MATERIALS for h in DEPTHS for k in range(packings)]
+    tasks = [(m, h, k) for m in GRAINS for h in DEPTHS for k in range(packings)]
     scenes = [scene(MATERIALS[m], h, wide, high) for m, h, _ in tasks]
     some = make(scenes, [k for *_, k in tasks], edition.backend, pool)
     return np.array(list(pool.map(row, some, tasks)), TABLE)
@@ -97,7 +81,7 @@ def row(p: Packing, case: tuple[str, float, int]) -> tuple[Any, ...]:
     n, law = ContactNetwork.from_packing(p), p.law
     pressure = float(np.trace(stress(n, p.forces))) / 2
     C = float(amplification(n, forces=p.forces, pressure=pressure, stiffness=law))
-    rng = np.random.default_rng([SEED, [*MATERIALS].index(material), DEPTHS.index(depth), seed])
+    rng = np.random.default_rng([SEED, GRAINS.index(material), DEPTHS.index(depth), seed])
     found = [measured(p, n, size / DIAMETER, rng) for size in MEASURED.values()]
     guess = relative_error(flat_guess(n, pressure), p.forces)
     errors, answers = zip(*found, strict=True)
@@ -126,7 +110,9 @@ def facts(edition: Edition) -> dict[str, Any]:
     return {
         "edition_of_slab": edition.name, "noise_seed": SEED, "diameter": DIAMETER,
         "filled": FILLED, "draws": DRAWS, "gravity": GRAVITY,
-        "materials": {k: [m.young, m.poisson, m.density] for k, m in MATERIALS.items()},
+        "modulus": {k: MATERIALS[k].modulus for k in GRAINS},
+        "poisson": {k: MATERIALS[k].poisson for k in GRAINS},
+        "density": {k: MATERIALS[k].density for k in GRAINS},
     }  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from packing.contact_law import Hertz, Linear, PerContact
-from packing_forces.judging.materials import MATERIALS
+from packing.contact_law.material import MATERIALS
 from packing_forces.known.case import law_in_words
 from packing_forces.options import FIGURES as COUNT
 from packing_forces.options import MATERIALS as NAMED

@@ -22,12 +22,11 @@ from scipy.sparse import block_array, csc_array, csr_array, diags_array, eye_arr
 from scipy.sparse.linalg import splu
 
 from packing.arguments.arrays import Floats
-from packing.arguments.memory import refuse_beyond
-from packing.arguments.numbers import flag, generator, instance, whole_number
 from packing.progress import counted
+from scaling.estimators.bounded.draws.shifts import shifts_of
 from scaling.estimators.bounded.maximum import bounded_forces
 from scaling.estimators.bounded.posterior import Posterior
-from scaling.estimators.bounded.program import Program, Shift, program_of, shift_sizes
+from scaling.estimators.bounded.program import Program, program_of
 
 _SHIFT = 1e-10
 """Keeps redundant conditions apart; refined away."""
@@ -46,22 +45,12 @@ def gaussian_draws(
     terminal only, False never. ValueError: bad input, nothing is feasible, or contacts that may be
     open (gaps have no Gaussian prior); RuntimeError: the system is too ill-conditioned.
     """
-    instance("posterior", posterior, Posterior)
-    generator("rng", rng)
-    whole_number("draws", draws, 1)
-    if progress is not None:
-        flag("progress", progress)
-    if posterior.gaps:
-        raise ValueError("Gaussian draws are for a Gaussian prior: gaps=True has another")
-    sizes = shift_sizes(posterior)
-    refuse_beyond(f"draws = {draws}", 8.0 * draws * (sum(sizes) + sizes[1]))
+    shifts = shifts_of(posterior, rng, draws, progress, "Gaussian draws")
     forces = bounded_forces(posterior, progress)[0]
     curved = posterior.noise is not None and posterior.noise.moves
     solve = _Prepared(program_of(posterior, forces, curved=curved))
     found = []
-    for child in counted(rng.spawn(draws), draws, "Gaussian draws", progress):
-        data, prior, second, stress, loads = (child.standard_normal(n) for n in sizes)
-        shift: Shift = data, prior, second, stress, loads
+    for shift in counted(shifts, draws, "Gaussian draws", progress):
         task = program_of(posterior, forces, shift, curved)
         found.append(task.forces(solve(task)))
     return np.array(found)

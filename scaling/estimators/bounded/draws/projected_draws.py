@@ -11,12 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from packing.arguments.arrays import Floats
-from packing.arguments.memory import refuse_beyond
-from packing.arguments.numbers import flag, generator, instance, whole_number
 from packing.progress import counted
+from scaling.estimators.bounded.draws.shifts import shifts_of
 from scaling.estimators.bounded.maximum import bounded_forces, passes
 from scaling.estimators.bounded.posterior import Posterior
-from scaling.estimators.bounded.program import shift_sizes
 
 
 def posterior_draws(
@@ -29,19 +27,7 @@ def posterior_draws(
     bad input, nothing is feasible, or contacts that may be open (shifting says nothing about the
     exponential prior of gaps).
     """
-    instance("posterior", posterior, Posterior)
-    generator("rng", rng)
-    whole_number("draws", draws, 1)
-    if progress is not None:
-        flag("progress", progress)
-    if posterior.gaps:
-        raise ValueError("projected draws are for a Gaussian prior: gaps=True has another")
-    sizes = shift_sizes(posterior)
-    refuse_beyond(f"draws = {draws}", 8.0 * draws * (sum(sizes) + sizes[1]))
-    shifts = []
-    for child in rng.spawn(draws):
-        data, prior, second, stress, loads = map(child.standard_normal, sizes)
-        shifts.append((data, prior, second, stress, loads))
+    shifts = shifts_of(posterior, rng, draws, progress, "projected draws")
     curved = bounded_forces(posterior, progress)[2].curved
 
     def drawn(curved: bool) -> Floats:
