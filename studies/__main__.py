@@ -42,7 +42,7 @@ dem_trade     what each setting of the DEM costs and what it changes
 same_packing  whether Newton's method ends in the same packing whenever time steps stop
 same_statistics  whether Z, φ and P(f) are those that time steps alone would reach
 hertz         packings of elastic spheres: rest, prefactor, and the cost of reading them as linear
-between_walls  packings between walls and under weight: rank, prefactor, the cost of a length
+between_walls  what walls and weight do to Eq. 1: rank, condition, the cost of a length
 silo          what side walls bear of the weight: Janssen's law
 sandpile      sand of glass and quartz in real units, at four depths
 ramps         pressure up and down again

@@ -25,7 +25,7 @@ PREFACTORS = {
     },
     "position": {
         "gppsz": (0.87, 0.57, 0.53), "balanced": (0.71, 0.33, 0.28),
-        "direct": (1.2, 0.93, 0.89), "optimal": (0.56, 0.23, 0.18),
+        "direct": (1.25, 0.93, 0.89), "optimal": (0.56, 0.23, 0.18),
     },
 }  # fmt: skip
 #: E of ``bounded`` without any length, at the same Δ, and of the guess that all forces are equal.

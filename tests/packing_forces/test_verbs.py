@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from dem import Packing, Scene, relax
+from packing_forces.judging.need import FLAT_GUESS, PREFACTORS
 from packing_forces.judging.table import COLUMNS
 from scaling import (
     ContactNetwork,
@@ -18,6 +19,8 @@ from scaling import (
     reconstruct,
     relative_error,
 )
+from studies.packing_store import FULL
+from studies.tables import read_table
 from tests.conftest import packing
 
 
@@ -262,6 +265,18 @@ def test_need_of_spheres_is_that_of_packings_of_spheres(ask):
     found = amplification_of(spheres)
     assert 0.8 < found / told < 1.25
     assert found / (told / 1.5) > 1.25
+
+
+def test_prefactors_of_need_are_those_of_the_figure():
+    """Written out, since a wheel has no tables; to their two digits those of Fig. 4."""
+    table = read_table(FULL.figures / "fig4.csv")
+    table = table[table["ratio"] == 0.01]
+    for noise, by in PREFACTORS.items():
+        for method, told in by.items():
+            mine = table[(table["noise"] == noise) & (table["method"] == method)]
+            found = [mine["error"][mine["delta"] == d][0] / 0.01 for d in (1e-2, 1e-4, 1e-6)]
+            assert told == pytest.approx(found, rel=0.03), (noise, method)
+    assert pytest.approx(table["flat"].mean(), rel=0.03) == FLAT_GUESS
 
 
 def test_need_lists_materials_with_sources_and_refuses_the_impossible(ask):
