@@ -56,7 +56,7 @@ def test_all_worlds_collapse(tables):
 def test_what_is_measured_is_what_the_error_map_says(tables):
     """Means over 20 packings with two draws each, of E² over its expectation."""
     for name in worlds.RANGES:
-        squares = (tables[0][f"E_{name}"] / tables[0][f"ratio_{name}"] / tables[0]["C"]) ** 2
+        squares = worlds.over_prefactor(tables[0], name) ** 2
         assert squares.mean() == pytest.approx(1, abs=0.35)
 
 
