@@ -68,7 +68,7 @@ def scene(material: Material, depth: float, wide: int, high: int) -> Scene:
 
 def compute(edition: Edition, pool: Executor) -> np.ndarray:
     """One row per material, depth and packing."""
-    (wide, high), packings = ((50, 20), 3) if edition.packings == FULL.packings else ((15, 6), 2)
+    (wide, high), packings = ((50, 20), 3) if edition.name == FULL.name else ((15, 6), 2)
     tasks = [(m, h, k) for m in GRAINS for h in DEPTHS for k in range(packings)]
     scenes = [scene(MATERIALS[m], h, wide, high) for m, h, _ in tasks]
     some = make(scenes, [k for *_, k in tasks], edition.backend, pool)

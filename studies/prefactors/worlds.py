@@ -61,7 +61,7 @@ the noise gave no answer; `linear_...` is E with the law taken for linear, see `
 
 def size_of(edition: Edition) -> tuple[int, int]:
     """Grains, and packings of each scene."""
-    return (300, 8) if edition.packings == FULL.packings else (50, 2)
+    return (300, 8) if edition.name == FULL.name else (50, 2)
 
 
 def scene(world: str, contact: str, friction: float, delta: float, grains: int) -> Scene:
