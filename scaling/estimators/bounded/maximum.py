@@ -41,8 +41,9 @@ from scaling.algebra.quadratic_program import minimise
 from scaling.estimators.bounded.posterior import Posterior
 from scaling.estimators.bounded.program import Program, Shift, program_of
 
-PASSES, GROWN = 20, 1e-7
-"""The most passes, and the change of the mean force that the last of them may ask for."""
+PASSES, GROWN, ROUNDING = 20, 1e-7, 1e-5
+"""The most passes, the change of the mean force that ends them, and the one that may be left after
+the last: some programs are solved to no more, and their forces are as good as that."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,8 @@ def passes(posterior: Posterior, curved: bool, shift: Shift | None = None) -> Ma
         task = program_of(posterior, f, shift, curved)
         z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
         f, growth = task.forces(z), float(task.growth(z))
-        if done >= least and (shift is not None or abs(growth) <= GROWN):
+        small = ROUNDING if done == PASSES else GROWN
+        if done >= least and (shift is not None or abs(growth) <= small):
             return Maximum(f, task.noise(z), Report(**report, curved=curved), task, z)
         if shift is None and growth:
             posterior = replace(posterior, virial=posterior.virial * (1 + growth))
