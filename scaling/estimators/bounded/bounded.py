@@ -249,7 +249,7 @@ class Bounded(Estimator):
             self.name,
             equation,
             # Of a convex program the violation of its conditions is what is known afterwards.
-            Solved(forces, report.tolerance, "clarabel"),
+            Solved(forces, report.tolerance, report.solver),
             unbalanced(equation, forces),
             BoundedDiagnostics,
             misfit=None if misfit is None else misfit.value,

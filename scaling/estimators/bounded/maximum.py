@@ -38,6 +38,12 @@ from packing.arguments.arrays import Floats
 from packing.arguments.numbers import instance
 from packing.progress import running
 from scaling.algebra.quadratic_program import minimise
+from scaling.estimators.bounded.barrier.interior_point import (
+    FINE,
+    ROUGH,
+    Inside,
+    by_interior_point,
+)
 from scaling.estimators.bounded.posterior import Posterior
 from scaling.estimators.bounded.program import Program, Shift, program_of
 
@@ -47,13 +53,14 @@ PASSES, GROWN = 20, 1e-7
 
 @dataclass(frozen=True)
 class Report:
-    """Of the convex solver, see `scaling.algebra.quadratic_program`; and whether the second order
-    of distances was let in."""
+    """Of the solver, `scaling.estimators.bounded.barrier` or `scaling.algebra.quadratic_program`;
+    and whether the second order of distances was let in."""
 
     status: str
     iterations: int
     tolerance: float
     curved: bool
+    solver: str = "clarabel"
 
 
 class Maximum(NamedTuple):
@@ -101,9 +108,10 @@ def passes(posterior: Posterior, curved: bool, shift: Shift | None = None) -> Ma
     f[: posterior.equation.network.contacts] = posterior.mean_force
     # Directions turn, and forces grow, linearly at the forces of the last pass.
     least = 2 if (noise is not None and noise.moves) or (posterior.floats and shift) else 1
+    inside = None
     for done in range(1, 1 + PASSES):
         task = program_of(posterior, f, shift, curved)
-        z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
+        z, report, inside = _minimum(task, inside, FINE if done >= least else ROUGH)
         f, growth = task.forces(z), float(task.growth(z))
         if done >= least and (shift is not None or abs(growth) <= GROWN):
             return Maximum(f, task.noise(z), Report(**report, curved=curved), task, z)
@@ -112,3 +120,14 @@ def passes(posterior: Posterior, curved: bool, shift: Shift | None = None) -> Ma
     raise RuntimeError(
         f"bounded: after {PASSES} passes the mean force still grows by {growth:.1e} of itself"
     )
+
+
+def _minimum(
+    task: Program, begin: Inside | None, gap: float
+) -> tuple[Floats, dict, Inside | None]:
+    """(z, report, the point inside) by the barrier, from `begin` to a `gap`; else by clarabel."""
+    found = by_interior_point(task, begin, gap)
+    if found is None:
+        return *minimise(task.P, task.q, task.equal, task.b, task.cone), None
+    report = {"status": "Solved", "iterations": found.rounds, "tolerance": found.tolerance}
+    return found.z, {"solver": "barrier", **report}, found.inside
