@@ -48,6 +48,7 @@ class SignedCholesky:
 
     def update(self, K: csc_array) -> bool:
         """Take the factors of another K in place of these; False if its entries are elsewhere."""
+        K.sum_duplicates()
         pairs = zip(self._pattern, _pattern(K), strict=True)
         if not all(np.array_equal(a, b) for a, b in pairs):
             return False

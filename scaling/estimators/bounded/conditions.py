@@ -22,7 +22,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from packing.arguments.arrays import Floats, Integers
 from scaling.algebra.elimination import COLUMNS, Factor
 from scaling.estimators.bounded.barrier.condensed import Blocks, Condensed
-from scaling.estimators.bounded.barrier.interior_point import prepared_for
+from scaling.estimators.bounded.barrier.interior_point import FAINT, prepared_for
 from scaling.estimators.bounded.order import Sites, elimination_order
 from scaling.estimators.bounded.program import Program
 from scaling.estimators.misfit import Misfit
@@ -45,8 +45,12 @@ def misfit_of_bounded(task: Program, z: Floats) -> Misfit:
     """Of `scaling.estimators.bounded.bounded`: at the solution z of its program."""
     η = task.noise(z)
     met = np.flatnonzero(task.cone @ z > -_ACTIVE)
-    free = _traces(task, met[:0])
-    most = _traces(task, met)[0] if len(met) else free[0]
+    prepared = prepared_for(task)
+    if prepared is not None:
+        free, (most, _) = _condensed_traces(*prepared, met)
+    else:
+        free = _traces(task, met[:0])
+        most = _traces(task, met)[0] if len(met) else free[0]
     return Misfit(float(η @ η), most, free[1])
 
 
@@ -55,11 +59,6 @@ def _traces(task: Program, met: Integers) -> tuple[float, float]:
     among them."""
     n, k = task.unknowns, task.sources
     probes, weight = _probes(k)
-    if (prepared := prepared_for(task)) is not None:
-        root = np.sqrt(task.P[n : n + k])[:, None]
-        return _traces_of(
-            probes - root * _condensed(*prepared, root * probes, met), probes, weight
-        )
     E, P = csr_array(vstack([task.equal, task.cone[met]])), task.P.copy()
     # Weak noise: forces in units of their own scatter, so that noise and forces weigh alike.
     effect = E[:, n : n + k]
@@ -93,19 +92,25 @@ def _traces_of(kept: Floats, probes: Floats, weight: float) -> tuple[float, floa
     return weight * float(np.sum(probes * kept)), weight * float(np.sum(kept**2))
 
 
-def _condensed(blocks: Blocks, sites: Sites, right: Floats, met: Integers) -> Floats:
-    """The noise of K⁻¹ of columns that are in the rows of the noise."""
-    held = np.zeros(2 * blocks.contacts)
-    held[met] = _HELD
-    made = Condensed(blocks, sites, held.reshape(2, -1), blocks.task.posterior.friction)
-    k, m, rest = len(right), len(blocks.b), len(made.corner)
-    found = np.empty_like(right)
-    for start in range(0, right.shape[1], COLUMNS):
-        some = slice(start, start + COLUMNS)
-        columns = right[:, some]
-        top = np.vstack([columns, np.zeros((m, columns.shape[1]))])
-        found[:, some] = made.solve(top, np.zeros((rest, columns.shape[1])), 1)[0][:k]
-    return found
+def _condensed_traces(blocks: Blocks, sites: Sites, met: Integers) -> list[tuple[float, float]]:
+    """`_traces` without bounds, and with those that are met."""
+    k, m, made, traces = blocks.X.shape[1], len(blocks.b), None, []
+    probes, weight = _probes(k)
+    root = np.sqrt(blocks.P[blocks.noise])[:, None]
+    held = (FAINT * np.ones(blocks.contacts)).ravel()
+    for some in (met[:0], met):
+        held[some] = _HELD
+        μ = blocks.task.posterior.friction
+        made = Condensed(blocks, sites, held.reshape(2, -1), μ, made)
+        kept = probes.copy()
+        for start in range(0, probes.shape[1], COLUMNS):
+            mine = slice(start, start + COLUMNS)
+            right = root * probes[:, mine]
+            top = np.vstack([right, np.zeros((m, right.shape[1]))])
+            bottom = np.zeros((len(made.corner), right.shape[1]))
+            kept[:, mine] -= root * made.solve(top, bottom, 1)[0][:k]
+        traces.append(_traces_of(kept, probes, weight))
+    return traces
 
 
 def _order(task: Program, met: Integers) -> Integers | None:

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import block_array, csc_array, csr_array, diags_array
+from scipy.sparse import csc_array, csr_array, diags_array, eye_array, hstack, vstack
 
 from packing.arguments.arrays import Floats
 from scaling.algebra.fronts.signed_cholesky import SignedCholesky
@@ -28,7 +28,7 @@ from scaling.estimators.bounded.program import Program
 
 _SHIFT = 1e-12
 """Keeps redundant balances apart; refined away."""
-_ACCURATE, ROUNDS = 1e-13, 4
+_ACCURATE, ROUNDS = 1e-12, 4
 """What refinement may leave of a row, relative to its right-hand side, or to 1, and its rounds."""
 
 
@@ -98,12 +98,14 @@ class Condensed:
         self.blocks, self.μ = blocks, friction
         self.N = csr_array(B.M_n + B.M_t @ diags_array(slope))
         self.R = B.R_n + B.R_t * slope
-        self.G = csr_array(diags_array(B.P[B.noise]) + B.X.T @ diags_array(self.a) @ B.X)
-        self.C = csr_array(B.T - self.N @ B.X)
-        self.S = csr_array(B.M_t @ diags_array(self.h) @ B.M_t.T)
+        G = csr_array(diags_array(B.P[B.noise]) + B.X.T @ diags_array(self.a) @ B.X)
+        C = csr_array(B.T - self.N @ B.X)
+        S = csr_array(B.M_t @ diags_array(self.h) @ B.M_t.T)
         k, m = B.X.shape[1], len(B.b)
-        self.K = csr_array(block_array([[self.G, self.C.T], [self.C, -self.S]]))
-        shifted = csc_array(self.K - diags_array(np.repeat([0.0, _SHIFT], [k, m])))
+        rows = [[G, csr_array(C.T)], [C, -S - _SHIFT * eye_array(m)]]
+        self.K = csr_array(vstack([hstack(row, format="csr") for row in rows], format="csr"))
+        # As it is symmetric, its rows are its columns.
+        shifted = csc_array(self.K.T)
         site = np.concatenate([sites.sources, sites.balances])
         signs = np.repeat([1.0, -1.0], [k, m])
         if instead is not None and instead.factor.update(shifted):
@@ -128,9 +130,11 @@ class Condensed:
     def solve(self, top: Floats, bottom: Floats, rounds: int = ROUNDS) -> tuple[Floats, Floats]:
         """(v ; λ), (w ; τ) for one right-hand side or many, refined in so many rounds at most."""
         x, y = self._once(top, bottom)
+        k = self.blocks.X.shape[1]
         sizes, left = (np.maximum(1.0, abs(top)), np.maximum(1.0, abs(bottom))), np.inf
         for _ in range(rounds):
             off = top - self.K @ x - self.border @ y
+            off[k:] -= _SHIFT * x[k:]
             beside = bottom - self.border.T @ x - self.corner @ y
             parts = zip((off, beside), sizes, strict=True)
             before, left = left, max((abs(p) / size).max(initial=0.0) for p, size in parts)

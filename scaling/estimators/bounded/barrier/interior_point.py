@@ -22,7 +22,7 @@ from scaling.estimators.bounded.program import NO_LIMIT, WEAK, Program
 
 FROM = 1000
 """Contacts from which this is faster than a solver for any program."""
-ROUGH, FINE = 1e-4, 1e-10
+ROUGH, FINE = 1e-4, 3e-10
 """τ at the end of a pass after which directions turn once more, and of the last. Of the first
 nothing is kept but its forces, for that."""
 _ROUNDS = 50
@@ -34,6 +34,8 @@ _SLACK, _BEGIN = 0.03, 3.0
 """The least slack to begin with, and ν s there: with less the first steps are short."""
 _STIFFEST, _CORRECTIONS, _RELEASES = 1e8, 3, 4
 """The largest weight of a limit in the last step, solves of that, and repetitions of it."""
+FAINT = np.array([[2e-12], [1e-12]])
+"""Weights of limits that are not felt: not 0, so that no entry of the matrix is."""
 _NEAR_THE_EDGE = 0.995
 """Share of the way to where a slack or a multiplier would vanish."""
 
@@ -85,7 +87,7 @@ def by_interior_point(
                 tolerance = violation(blocks, end, μ)
                 good = tolerance <= _SOLVED or gap > FINE
                 return Found(end.at.z, here, done, tolerance) if good else None
-            weights = np.zeros((2, blocks.contacts)) if here is None else here.ν / here.s
+            weights = FAINT * np.ones(blocks.contacts) if here is None else here.ν / here.s
             made = Condensed(blocks, sites, weights, μ, made)
             here = _begun(made) if here is None else _step(made, here)
             if not np.isfinite(here.gap):
