@@ -27,11 +27,17 @@ class SignedCholesky:
     """K⁻¹ from the factors of K; RuntimeError if K is not quasi-definite, to rounding.
 
     `site` (n,) is where in the order of `starts`, of a dissection, the unknowns are eliminated;
-    one beyond its end meets all. `signs` (n,) are those of S, by default 1.
+    one beyond its end meets all. `signs` (n,) are those of S, by default 1. `again`: it will be
+    updated.
     """
 
     def __init__(
-        self, K: csc_array, site: Integers, starts: Integers, signs: Floats | None = None
+        self,
+        K: csc_array,
+        site: Integers,
+        starts: Integers,
+        signs: Floats | None = None,
+        again: bool = False,
     ) -> None:
         n = K.shape[0]
         K.sum_duplicates()
@@ -41,20 +47,22 @@ class SignedCholesky:
         self.order = np.lexsort((site, -signs, front))
         ends = np.flatnonzero(np.diff(front[self.order])) + 1
         self._signs = signs[self.order]
-        self._pattern, self._taken, self._lower = _lower(K, self.order)
-        self._fronts = fronts_of(self._lower, np.concatenate([[0], ends, [n]]))
+        taken, lower = _lower(K, self.order)
+        self._fronts = fronts_of(lower, np.concatenate([[0], ends, [n]]))
         self._kept = np.zeros(self._fronts.entries)
-        self._eliminate()
+        self._again = (K.indptr, K.indices, taken, lower) if again else None
+        self._eliminate(lower)
 
     def update(self, K: csc_array) -> bool:
         """Take the factors of another K in place of these; False if its entries are elsewhere."""
         K.sum_duplicates()
-        pairs = zip(self._pattern, _pattern(K), strict=True)
-        if not all(np.array_equal(a, b) for a, b in pairs):
+        assert self._again is not None
+        indptr, indices, taken, lower = self._again
+        if not (np.array_equal(indptr, K.indptr) and np.array_equal(indices, K.indices)):
             return False
-        self._lower.data[:] = K.data[self._taken]
+        lower.data[:] = K.data[taken]
         self._kept[:] = 0.0
-        self._eliminate()
+        self._eliminate(lower)
         return True
 
     @property
@@ -62,8 +70,8 @@ class SignedCholesky:
         """Numbers in the factors, the blocks taken as full."""
         return self._fronts.entries
 
-    def _eliminate(self) -> None:
-        lower, fronts, starts = self._lower, self._fronts, self._fronts.starts
+    def _eliminate(self, lower: csc_array) -> None:
+        fronts, starts = self._fronts, self._fronts.starts
         kept, used = self._kept, 0
         self._diagonal: list[Floats] = []
         self._below: list[Floats] = []
@@ -116,21 +124,16 @@ class SignedCholesky:
         return found.reshape(b.shape)
 
 
-def _pattern(K: csc_array) -> tuple[Integers, Integers]:
-    return K.indptr, K.indices
-
-
-def _lower(K: csc_array, order: Integers) -> tuple[tuple[Integers, Integers], Integers, csc_array]:
-    """The pattern of K, and the lower triangle of K with rows and columns in `order`: where in
-    its numbers those of the triangle are, and the triangle."""
+def _lower(K: csc_array, order: Integers) -> tuple[Integers, csc_array]:
+    """The lower triangle of K with rows and columns in `order`, after where in the numbers of K
+    its own are."""
     rank = np.empty(len(order), np.int32)
     rank[order] = np.arange(len(order))
     i, j = rank[K.indices], np.repeat(rank, np.diff(K.indptr))
     under = np.flatnonzero(i >= j)
     numbered = csc_array((np.arange(len(under)), (i[under], j[under])), shape=K.shape)
     taken = under[numbered.data]
-    lower = csc_array((K.data[taken], numbered.indices, numbered.indptr), shape=K.shape)
-    return _pattern(K), taken, lower
+    return taken, csc_array((K.data[taken], numbered.indices, numbered.indptr), shape=K.shape)
 
 
 def _add(change: Floats | None, i: Integers, D: Floats, X: Floats, below: Floats) -> None:

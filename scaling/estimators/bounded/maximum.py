@@ -7,8 +7,9 @@
                  Q f_n = κ (Q|σ̃⟩ - Λ - Q B y)          data="sizes"
 
 σ̃ and r̃ are the data, y is their noise of strength ξ, and B y its effect on the overlaps
-(`scaling.noise.noise_model`). This is a convex quadratic program, solved by clarabel (interior
-point).
+(`scaling.noise.noise_model`). This is a convex quadratic program, solved by an interior-point
+method: from 1000 contacts on, where the program has the form for it, by
+`scaling.estimators.bounded.barrier`, else by clarabel.
 
 Noisy positions turn directions, so M in the first condition is M(x̃) - D y, with D y the effect
 of the noise on balance. The same y corrects directions and overlaps, and it is weighed. To

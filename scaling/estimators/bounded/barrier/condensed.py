@@ -111,7 +111,7 @@ class Condensed:
         if instead is not None and instead.factor.update(shifted):
             self.factor: SignedCholesky = instead.factor
         else:
-            self.factor = SignedCholesky(shifted, site, sites.starts, signs)
+            self.factor = SignedCholesky(shifted, site, sites.starts, signs, again=True)
         # Borders: w, then τ.
         of_told = np.vstack([(B.R_v - (B.X.T @ self.R.T).T).T, -(B.M_t @ (self.h * B.R_t).T)])
         self.border = np.hstack([np.vstack([np.zeros((k, B.V.shape[1])), B.V]), of_told])
