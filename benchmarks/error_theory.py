@@ -31,7 +31,7 @@ from studies.error_bars import exponent, spread
 
 DELTA, BASE, REPEATS = 1e-4, 1000, 3
 TABLE = np.dtype([
-    ("kind", "U20"), ("grains", int), ("seconds", float), ("MB", float), ("value", float),
+    ("kind", "U24"), ("grains", int), ("seconds", float), ("MB", float), ("value", float),
     ("error", float), ("probes", int),
 ])  # fmt: skip
 

@@ -3,9 +3,15 @@
 Minimum degree (SuperLU's) needs no knowledge.  Where every unknown has a place in the plane and
 few are far from those that it meets, nested dissection (`packing.contacts.dissection`) is better
 for many of them, and its leaves and separators are fronts: dense blocks
-(`scaling.algebra.fronts`). Of GᵀG, order included (one core):
+(`scaling.algebra.fronts`). Of GᵀG with 27 000 unknowns, order included (one core, busy):
 
-TABLE
+    seconds, minimum degree        0.40
+    seconds, fronts                0.32
+    per column, minimum degree     3.7 ms
+    per column, fronts             2.3 ms
+
+Of the matrix of `optimal` with 349 000 unknowns 22 to 25 s became 11 to 13 s: before, the same
+dissection gave SuperLU its order.
 """
 
 from __future__ import annotations
