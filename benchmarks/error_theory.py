@@ -31,7 +31,7 @@ from studies.error_bars import exponent, spread
 
 DELTA, BASE, REPEATS = 1e-4, 1000, 3
 TABLE = np.dtype([
-    ("kind", "U20"), ("grains", int), ("seconds", float), ("MB", float), ("value", float),
+    ("kind", "U24"), ("grains", int), ("seconds", float), ("MB", float), ("value", float),
     ("error", float), ("probes", int),
 ])  # fmt: skip
 
@@ -84,6 +84,14 @@ def _optimal(t: Tiled) -> Estimate:
     return Estimate(found.residual)
 
 
+def _bounded(t: Tiled) -> Estimate:
+    xi = 0.1 * t.delta
+    noisy = perturb(t.network, xi, np.random.default_rng(1), "position")
+    known = {"friction": t.friction, "pressure": t.pressure}
+    found = reconstruct(noisy, t.stiffness, "bounded", xi=xi, noise="position", **known)
+    return Estimate(found.residual)
+
+
 PARTS: dict[str, Callable[[Tiled], Estimate]] = {
     "C of gppsz": _prefactor,
     "error bars of gppsz": _error_bars,
@@ -91,6 +99,7 @@ PARTS: dict[str, Callable[[Tiled], Estimate]] = {
     "bound (positions)": _bound,
     "collapse of one ξ": _collapse,
     "optimal (positions)": _optimal,
+    "bounded (positions)": _bounded,
 }
 
 #: Of which the table says whether they are exact.

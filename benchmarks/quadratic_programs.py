@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator
 from importlib.util import find_spec
+from sys import maxsize
 from typing import Any
 from unittest.mock import patch
 
@@ -20,6 +21,7 @@ from dem import Packing, Scene, relax
 from scaling import ContactNetwork, perturb, reconstruct, tiled
 from scaling.algebra import quadratic_program
 from scaling.estimators.bounded import maximum
+from scaling.estimators.bounded.barrier import interior_point
 from studies.error_bars import spread
 
 DELTA, BASE, STRENGTH, REPEATS = 1e-4, 300, 0.1, 3
@@ -39,7 +41,7 @@ def program(packing: Packing, copies: int) -> Program:
     network = tiled(ContactNetwork.from_packing(packing), copies)
     xi = STRENGTH * packing.delta
     noisy = perturb(network, xi, np.random.default_rng(1), "position")
-    with patch.object(maximum, "minimise", keep):
+    with patch.object(maximum, "minimise", keep), patch.object(interior_point, "FROM", maxsize):
         reconstruct(
             noisy, packing.stiffness, "bounded", xi=xi, noise="position",
             friction=packing.friction, pressure=packing.pressure,

@@ -8,6 +8,8 @@ a matrix have O(N log N) entries and cost O(N^1.5) (George 1973; Lipton, Rose an
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
@@ -20,19 +22,33 @@ LEAF = 16
 WINDOW = 0.05
 
 
+@dataclass(frozen=True, eq=False)
+class Dissection:
+    """The order (N,) of the grains, and where in it leaves and separators begin, N at the end."""
+
+    order: Integers
+    starts: Integers
+
+
 def nested_dissection(positions: Floats, pairs: Integers) -> Integers:
     """The order of grains at ``positions (N, 2)`` with contacts ``pairs (c, 2)``: ``(N,)``.
 
     In a periodic cell give positions inside it: contacts through its sides are seen as such.
     """
+    return dissection(positions, pairs).order
+
+
+def dissection(positions: Floats, pairs: Integers, leaf: int = LEAF) -> Dissection:
+    """`nested_dissection` with its leaves, of up to `leaf` grains, and its separators."""
     count = len(positions)
     order = np.empty(count, np.int64)
     rank, side = np.empty(count, np.int64), np.empty(count, np.int8)
-    parts = [(np.arange(count), pairs, 0)]
+    parts, starts = [(np.arange(count), pairs, 0)], [count]
     while parts:
         grains, contacts, start = parts.pop()
-        if len(grains) <= LEAF or len(contacts) == 0:
+        if len(grains) <= leaf or len(contacts) == 0:
             order[start : start + len(grains)] = grains
+            starts.extend(range(start, start + len(grains), leaf))
             continue
         spread = positions[grains]
         along = grains[np.argsort(spread[:, np.argmax(np.ptp(spread, axis=0))], kind="stable")]
@@ -45,10 +61,12 @@ def nested_dissection(positions: Floats, pairs: Integers) -> Integers:
         side[separator] = 2
         end = start + len(grains)
         order[end - len(separator) : end] = separator
-        for half, first in ((0, start), (1, start + int((side[along] == 0).sum()))):
-            inside = (side[contacts] == half).all(axis=1)
-            parts.append((along[side[along] == half], contacts[inside], first))
-    return order
+        starts.append(end - len(separator))
+        mine, one, other = side[along], side[contacts[:, 0]], side[contacts[:, 1]]
+        for half, first in ((0, start), (1, start + int((mine == 0).sum()))):
+            inside = (one == half) & (other == half)
+            parts.append((along[mine == half], contacts[inside], first))
+    return Dissection(order, np.unique(starts))
 
 
 def _fewest_crossings(ranks: Integers, count: int) -> int:

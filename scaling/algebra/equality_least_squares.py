@@ -29,12 +29,21 @@ _VIOLATION = 1e-8
 class ConstrainedLeastSquares:
     """min |A u - a| subject to B u = b, prepared once for any number of right-hand sides.
 
-    A and B should have entries of order 1, and null spaces that meet in 0 only.
+    A and B should have entries of order 1, and null spaces that meet in 0 only. `like`: a problem
+    with much the same B, solved before, whose factors may do for this one.
     """
 
-    def __init__(self, A: csr_array, B: csr_array, name: str, places: Places = NOWHERE) -> None:
+    def __init__(
+        self,
+        A: csr_array,
+        B: csr_array,
+        name: str,
+        places: Places = NOWHERE,
+        like: ConstrainedLeastSquares | None = None,
+    ) -> None:
         self.A, self.B, self.name = csr_array(A), csr_array(B), name
-        self._multipliers = Multipliers(self.A, self.B, name, places)
+        known = None if like is None else like.multipliers
+        self.multipliers: Multipliers = Multipliers(self.A, self.B, name, places, known)
         self._null_space = NullSpace(self.A, self.B)
 
     def solve(self, a: Floats, b: Floats) -> Floats:
@@ -48,8 +57,8 @@ class ConstrainedLeastSquares:
         the conditions cannot be met.
         """
         found = Solved(a, np.inf, "factor")
-        if self._extent > _SMALL and self._multipliers.weighted.slowest <= SLOWEST:
-            found = self._multipliers.solved(a, b)
+        if self._extent > _SMALL and self.multipliers.weighted.slowest <= SLOWEST:
+            found = self.multipliers.solved(a, b)
         if not found.error <= ACCEPTED and self._extent <= DENSE_UP_TO:
             found = self._null_space.solved(a, b)
         accepted(found, self.name, self._condition)
@@ -66,7 +75,7 @@ class ConstrainedLeastSquares:
         known = self._null_space.condition
         if known is not None:
             return known
-        m = self._multipliers.weighted
+        m = self.multipliers.weighted
         return float(np.sqrt(m.condition / m.weight))
 
     def _refuse_violation(self, u: Floats, a: Floats, b: Floats) -> None:

@@ -116,8 +116,18 @@ class LeastSquares:
         f = self._factor.inverse(self.matrix.T @ b)
         return f + self._factor.inverse(self.matrix.T @ (b - self.matrix @ f))
 
-    def require_full_rank(self) -> None:
-        """ValueError, with the rank, if a solution would not be unique."""
+    def require_full_rank(self, like: LeastSquares | None = None) -> None:
+        """ValueError, with the rank, if a solution would not be unique.
+
+        `like`: a matrix of full rank, known before. No singular value of this one is further from
+        those of `like` than the norm of what they differ by (Weyl): that may prove it.
+        """
+        if like is not None and self.matrix.shape == like.matrix.shape and like is not self:
+            known = like.extremes
+            change = abs(self.matrix - like.matrix)
+            moved = np.sqrt(change.sum(axis=0).max() * change.sum(axis=1).max())
+            if 2 * moved < known.smallest and known.condition < FACTOR_CONDITION / 2:
+                return
         self._refuse_deficient(self.unknowns - self._null_dimension)
 
     @cached_property
@@ -129,6 +139,11 @@ class LeastSquares:
             return Conditioning(n - self._null_dimension, n, float(s[0]), float(s[-1]), True)
         rank = n - self._null_dimension
         return Conditioning(rank, n, self._factor.largest, self._factor.smallest, False)
+
+    @property
+    def extremes(self) -> Extremes:
+        """The extreme singular values that inverse iteration sees."""
+        return self._factor.extremes
 
     @property
     def _condition(self) -> float:

@@ -9,12 +9,14 @@ and A with α, it shrinks by α²/(α² + w s²). So a small step is no evidence
 moves by little and may be far off. Evidence are two numbers, found before the first solution is
 given out,
 
-    s_min    the smallest singular value of B that is not zero; the pace of the iteration is then
-             at most  q = |A|²/(|A|² + w s_min²)
+    q        the pace: by so much each iteration shrinks the error (`scaling.algebra.pace`)
     cond H   mostly w over the square of what A sees of the null space of B; ε cond H is the pace
              of refinement against rounding
 
 and then |u - u*| <= |d|/(1 - q). The weight w is chosen for both to be small.
+
+For a problem that is very like one solved before, as those of Gauss and Newton's steps are, the
+factors of the other H do: how much slower the iteration is with them is known beforehand.
 """
 
 from __future__ import annotations
@@ -27,19 +29,16 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from packing.arguments.arrays import Floats
-from scaling.algebra.conditioning import FACTOR_CONDITION
-from scaling.algebra.elimination import factorised
+from scaling.algebra.elimination import Inverse, factorised
 from scaling.algebra.evidence import EPS, Solved
-from scaling.algebra.least_squares import LeastSquares
-from scaling.algebra.null_space import RANK_TOLERANCE, column_norm
+from scaling.algebra.null_space import column_norm
+from scaling.algebra.pace import Pace, pace_by_factor, pace_of_near, weakest
 
 WEIGHTS = (1e7, 1e4, 1e10, 1e13)
 """Tried in this order."""
-SLOWEST = 0.3
-"""Largest pace with which the iteration is begun."""
+SLOWEST, NEAR = 0.3, 0.1
+"""Largest paces with which the iteration is begun, with factors of its own, or of a like one."""
 _STEPS = 16
-_BLOCKS = (64, 512)
-"""Weak directions that are looked for, first in a small block."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +46,16 @@ class Weighted:
     """H factorised for one weight, its condition and the pace of the iteration."""
 
     weight: float
-    factor: Any
+    factor: Inverse | None
     condition: float
-    pace: float
+    pace: Pace
+    stretch: float = np.inf
+    """|H⁻¹|."""
 
     @property
     def slowest(self) -> float:
         """The pace of the iteration or of its refinement, whichever is larger."""
-        return max(self.pace, EPS * self.condition)
+        return max(self.pace.most, EPS * self.condition)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +70,26 @@ NOWHERE = Places()
 
 
 class Multipliers:
-    """The iteration for min |A u - a| subject to B u = b."""
+    """The iteration for min |A u - a| subject to B u = b.
 
-    def __init__(self, A: csr_array, B: csr_array, name: str, places: Places = NOWHERE) -> None:
+    `like`: one for the same A and much the same B, solved before.
+    """
+
+    def __init__(
+        self,
+        A: csr_array,
+        B: csr_array,
+        name: str,
+        places: Places = NOWHERE,
+        like: Multipliers | None = None,
+    ) -> None:
         self.A, self.B, self.name, self.places = A, B, name, places
+        self.like = None if like is None else like.proven
+
+    @property
+    def proven(self) -> Multipliers:
+        """The one whose factors these iterations use: itself, unless those of a like one do."""
+        return self.like or self
 
     def __getstate__(self) -> dict[str, Any]:
         # SuperLU objects cannot be pickled; a copy factorises anew.
@@ -81,9 +98,13 @@ class Multipliers:
     @cached_property
     def weighted(self) -> Weighted:
         """Of the weights the first that is good enough, else the best."""
+        if (near := self._near()) is not None:
+            return near
+        like, self.like = self.like, None
+        order = None if like is None else like.weighted.factor
         best = None
         for weight in WEIGHTS:
-            made = self._prepared(weight)
+            made = self._prepared(weight, order)
             if best is None or made.slowest < best.slowest:
                 best = made
             if best.slowest <= SLOWEST:
@@ -91,53 +112,55 @@ class Multipliers:
         assert best is not None
         return best
 
-    def _prepared(self, weight: float) -> Weighted:
+    def _near(self) -> Weighted | None:
+        """With the factors of `like`, if they do."""
+        like = self.like
+        if like is None or like.weighted.factor is None:
+            return None
+        known = like.weighted
+        if self.A.shape != like.A.shape or (self.A - like.A).count_nonzero():
+            return None
+        change = csr_array(self.B - like.B)
+        pace, grown = pace_of_near(known.pace, known.stretch, change, self.B, known.weight)
+        if not pace.most <= NEAR:
+            return None
+        return Weighted(known.weight, known.factor, known.condition * grown, pace)
+
+    def _prepared(self, weight: float, like: Inverse | None) -> Weighted:
         A, B = self.A, self.B
-        pace = 1 / (1 + weight * (self._weakest / column_norm(self.A)) ** 2)
-        if pace > SLOWEST:
-            return Weighted(weight, None, np.inf, 1.0)
+        failed = Weighted(weight, None, np.inf, Pace(1.0))
+        by_rows = B.shape[0] > B.shape[1] or "_weakest" in self.__dict__
+        if by_rows and self._pace_by_rows(weight).most > SLOWEST:
+            return failed
         H = csc_array(A.T @ A + weight * (B.T @ B))
         try:
-            factor = factorised(H, self.places.unknowns)
+            factor = factorised(H, self.places.unknowns, like)
         except RuntimeError:  # singular to the last digit
-            return Weighted(weight, None, np.inf, 1.0)
-        v, growth = np.random.default_rng(0).standard_normal(A.shape[1]), 0.0
+            return failed
+        pace = None if by_rows else pace_by_factor(factor, B, weight)
+        if pace is None or pace.most > SLOWEST:
+            pace = self._pace_by_rows(weight)
+        if pace.most > SLOWEST:
+            return failed
+        v, stretch = np.random.default_rng(0).standard_normal(A.shape[1]), 0.0
         for _ in range(5):
             v = factor.solve(v / np.linalg.norm(v))
-            growth = max(growth, float(np.linalg.norm(v)))
-        condition = growth * float(abs(H).sum(axis=0).max())
-        return Weighted(weight, factor, condition if np.isfinite(condition) else np.inf, pace)
+            stretch = max(stretch, float(np.linalg.norm(v)))
+        condition = stretch * float(abs(H).sum(axis=0).max())
+        condition = condition if np.isfinite(condition) else np.inf
+        return Weighted(weight, factor, condition, pace, stretch)
+
+    def _pace_by_rows(self, weight: float) -> Pace:
+        return Pace(1 / (1 + weight * (self._weakest / column_norm(self.A)) ** 2))
 
     @cached_property
     def _weakest(self) -> float:
-        """s_min, from whichever side shows it; 0 where neither does.
-
-        From the side of the rows its null space are the redundant conditions, from that of the
-        columns (where more conditions than unknowns leave none) those that B does not feel at all.
-        """
-        felt = np.flatnonzero(self.B.multiply(self.B).sum(axis=0))
-        unknowns, conditions = self.places.unknowns, self.places.conditions
-        sides = [
-            LeastSquares(
-                csr_array(self.B[:, felt]),
-                self.name,
-                None if unknowns is None else unknowns[felt],
-            ),
-            LeastSquares(csr_array(self.B.T), self.name, conditions),
-        ]
-        for most in _BLOCKS:
-            for side in sides:
-                if side.unknowns > side.matrix.shape[0]:
-                    continue  # it has null vectors, too many to be told from weak directions
-                s = side.weak_singular_values(most)
-                seen = s[s > RANK_TOLERANCE * column_norm(self.B)]
-                if len(seen) and seen[-1] > column_norm(self.B) / FACTOR_CONDITION:
-                    return float(seen[0])
-        return 0.0
+        return weakest(self.B, self.name, self.places.unknowns, self.places.conditions)
 
     def solved(self, a: Floats, b: Floats) -> Solved:
         """u for one pair of right-hand sides or many."""
         A, B, m = self.A, self.B, self.weighted
+        assert m.factor is not None
         u = np.zeros((A.shape[1], *a.shape[1:]))
         λ = np.zeros_like(b)
         given = np.linalg.norm(a, axis=0) + np.linalg.norm(b, axis=0)

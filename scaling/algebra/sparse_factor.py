@@ -18,7 +18,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from packing.arguments.arrays import Floats
 from scaling.algebra.conditioning import FACTOR_CONDITION, RANK_TOLERANCE, Extremes
-from scaling.algebra.elimination import Factor, factorised
+from scaling.algebra.elimination import Inverse, factorised
 from scaling.algebra.evidence import Solved, rounding_error
 
 _SHIFT = 1e-14
@@ -42,7 +42,7 @@ class SparseFactor:
         return {k: v for k, v in self.__dict__.items() if k != "factor"}
 
     @cached_property
-    def factor(self) -> Factor:
+    def factor(self) -> Inverse:
         """Sparse LU of GᵀG + μ."""
         A = csc_array(self.matrix)
         normal = csc_array(A.T @ A)

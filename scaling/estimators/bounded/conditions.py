@@ -20,8 +20,10 @@ from scipy.sparse import block_array, csc_array, csr_array, diags_array, eye_arr
 from scipy.sparse.linalg import SuperLU, splu
 
 from packing.arguments.arrays import Floats, Integers
-from scaling.algebra.elimination import Factor
-from scaling.estimators.bounded.order import elimination_order
+from scaling.algebra.elimination import COLUMNS, Factor
+from scaling.estimators.bounded.barrier.condensed import Blocks, Condensed
+from scaling.estimators.bounded.barrier.interior_point import FAINT, prepared_for
+from scaling.estimators.bounded.order import Sites, elimination_order
 from scaling.estimators.bounded.program import Program
 from scaling.estimators.misfit import Misfit
 
@@ -30,6 +32,8 @@ EXACT_UP_TO = 128
 _PROBES = 64
 _ACTIVE = 1e-6
 """Distance from a bound, in f̄, below which it counts as met with equality."""
+_HELD = 1e10
+"""Weight of a bound that is met with equality, where prior forces have the weight 1."""
 _SHIFT = 1e-12
 ACCURATE = 1e-8
 """What a solve without pivoting may leave of the right-hand side: far less than probes scatter."""
@@ -41,8 +45,12 @@ def misfit_of_bounded(task: Program, z: Floats) -> Misfit:
     """Of `scaling.estimators.bounded.bounded`: at the solution z of its program."""
     η = task.noise(z)
     met = np.flatnonzero(task.cone @ z > -_ACTIVE)
-    free = _traces(task, met[:0])
-    most = _traces(task, met)[0] if len(met) else free[0]
+    prepared = prepared_for(task)
+    if prepared is not None:
+        free, (most, _) = _condensed_traces(*prepared, met)
+    else:
+        free = _traces(task, met[:0])
+        most = _traces(task, met)[0] if len(met) else free[0]
     return Misfit(float(η @ η), most, free[1])
 
 
@@ -50,6 +58,7 @@ def _traces(task: Program, met: Integers) -> tuple[float, float]:
     """tr P and tr P² of the block of η, P the projection on all conditions, the bounds `met`
     among them."""
     n, k = task.unknowns, task.sources
+    probes, weight = _probes(k)
     E, P = csr_array(vstack([task.equal, task.cone[met]])), task.P.copy()
     # Weak noise: forces in units of their own scatter, so that noise and forces weigh alike.
     effect = E[:, n : n + k]
@@ -64,16 +73,44 @@ def _traces(task: Program, met: Integers) -> tuple[float, float]:
     P = np.where(P == 0, _SHIFT, P)
     K = csc_array(block_array([[diags_array(P), E.T], [E, lower]]))
     root = np.sqrt(P[n : n + k])[:, None]
-    probes: Floats
-    if k > EXACT_UP_TO:
-        signs = np.random.default_rng(0).integers(0, 2, (k, _PROBES))
-        probes, weight = np.where(signs, 1.0, -1.0), 1 / _PROBES
-    else:
-        probes, weight = np.eye(k), 1.0
     right = np.zeros((K.shape[0], probes.shape[1]))
     right[n : n + k] = root * probes
     kept = probes - root * _solved(K, right, _order(task, met))[n : n + k]
+    return _traces_of(kept, probes, weight)
+
+
+def _probes(sources: int) -> tuple[Floats, float]:
+    """Unit vectors, or random signs, (k, columns), and the weight of each in a trace."""
+    if sources <= EXACT_UP_TO:
+        return np.eye(sources), 1.0
+    signs = np.random.default_rng(0).integers(0, 2, (sources, _PROBES))
+    return np.where(signs, 1.0, -1.0), 1 / _PROBES
+
+
+def _traces_of(kept: Floats, probes: Floats, weight: float) -> tuple[float, float]:
+    """tr P and tr P², of P times the probes."""
     return weight * float(np.sum(probes * kept)), weight * float(np.sum(kept**2))
+
+
+def _condensed_traces(blocks: Blocks, sites: Sites, met: Integers) -> list[tuple[float, float]]:
+    """`_traces` without bounds, and with those that are met."""
+    k, m, made, traces = blocks.X.shape[1], len(blocks.b), None, []
+    probes, weight = _probes(k)
+    root = np.sqrt(blocks.P[blocks.noise])[:, None]
+    held = (FAINT * np.ones(blocks.contacts)).ravel()
+    for some in (met[:0], met):
+        held[some] = _HELD
+        μ = blocks.task.posterior.friction
+        made = Condensed(blocks, sites, held.reshape(2, -1), μ, made)
+        kept = probes.copy()
+        for start in range(0, probes.shape[1], COLUMNS):
+            mine = slice(start, start + COLUMNS)
+            right = root * probes[:, mine]
+            top = np.vstack([right, np.zeros((m, right.shape[1]))])
+            bottom = np.zeros((len(made.corner), right.shape[1]))
+            kept[:, mine] -= root * made.solve(top, bottom, 1)[0][:k]
+        traces.append(_traces_of(kept, probes, weight))
+    return traces
 
 
 def _order(task: Program, met: Integers) -> Integers | None:

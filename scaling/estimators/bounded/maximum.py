@@ -7,8 +7,9 @@
                  Q f_n = κ (Q|σ̃⟩ - Λ - Q B y)          data="sizes"
 
 σ̃ and r̃ are the data, y is their noise of strength ξ, and B y its effect on the overlaps
-(`scaling.noise.noise_model`). This is a convex quadratic program, solved by clarabel (interior
-point).
+(`scaling.noise.noise_model`). This is a convex quadratic program, solved by an interior-point
+method: from 1000 contacts on, where the program has the form for it, by
+`scaling.estimators.bounded.barrier`, else by clarabel.
 
 Noisy positions turn directions, so M in the first condition is M(x̃) - D y, with D y the effect
 of the noise on balance. The same y corrects directions and overlaps, and it is weighed. To
@@ -38,22 +39,30 @@ from packing.arguments.arrays import Floats
 from packing.arguments.numbers import instance
 from packing.progress import running
 from scaling.algebra.quadratic_program import minimise
+from scaling.estimators.bounded.barrier.interior_point import (
+    FINE,
+    ROUGH,
+    Inside,
+    by_interior_point,
+)
 from scaling.estimators.bounded.posterior import Posterior
 from scaling.estimators.bounded.program import Program, Shift, program_of
 
-PASSES, GROWN = 20, 1e-7
-"""The most passes, and the change of the mean force that the last of them may ask for."""
+PASSES, GROWN, ROUNDING = 20, 1e-7, 1e-5
+"""The most passes, the change of the mean force that ends them, and the one that may be left after
+the last: some programs are solved to no more, and their forces are as good as that."""
 
 
 @dataclass(frozen=True)
 class Report:
-    """Of the convex solver, see `scaling.algebra.quadratic_program`; and whether the second order
-    of distances was let in."""
+    """Of the solver, `scaling.estimators.bounded.barrier` or `scaling.algebra.quadratic_program`;
+    and whether the second order of distances was let in."""
 
     status: str
     iterations: int
     tolerance: float
     curved: bool
+    solver: str = "clarabel"
 
 
 class Maximum(NamedTuple):
@@ -101,14 +110,27 @@ def passes(posterior: Posterior, curved: bool, shift: Shift | None = None) -> Ma
     f[: posterior.equation.network.contacts] = posterior.mean_force
     # Directions turn, and forces grow, linearly at the forces of the last pass.
     least = 2 if (noise is not None and noise.moves) or (posterior.floats and shift) else 1
+    inside = None
     for done in range(1, 1 + PASSES):
         task = program_of(posterior, f, shift, curved)
-        z, report = minimise(task.P, task.q, task.equal, task.b, task.cone)
+        z, report, inside = _minimum(task, inside, FINE if done >= least else ROUGH)
         f, growth = task.forces(z), float(task.growth(z))
-        if done >= least and (shift is not None or abs(growth) <= GROWN):
+        small = ROUNDING if done == PASSES else GROWN
+        if done >= least and (shift is not None or abs(growth) <= small):
             return Maximum(f, task.noise(z), Report(**report, curved=curved), task, z)
         if shift is None and growth:
             posterior = replace(posterior, virial=posterior.virial * (1 + growth))
     raise RuntimeError(
         f"bounded: after {PASSES} passes the mean force still grows by {growth:.1e} of itself"
     )
+
+
+def _minimum(
+    task: Program, begin: Inside | None, gap: float
+) -> tuple[Floats, dict, Inside | None]:
+    """(z, report, the point inside) by the barrier, from `begin` to a `gap`; else by clarabel."""
+    found = by_interior_point(task, begin, gap)
+    if found is None:
+        return *minimise(task.P, task.q, task.equal, task.b, task.cone), None
+    report = {"status": "Solved", "iterations": found.rounds, "tolerance": found.tolerance}
+    return found.z, {"solver": "barrier", **report}, found.inside

@@ -23,9 +23,9 @@ from scaling.equation.global_moments import moments_left_free
 from scaling.estimators.bounded.posterior import Posterior
 from scaling.estimators.bounded.stress_data import stress_data
 
-_NO_LIMIT = 1e8
+NO_LIMIT = 1e8
 """Friction above which |f_t| <= μ f_n asks for f_n >= 0 within the tolerance of the solver."""
-_WEAK = 0.1
+WEAK = 0.1
 """Friction below which f_n >= 0 is asked for by itself."""
 
 Shift = tuple[Floats, Floats, Floats, Floats, Floats]
@@ -219,9 +219,9 @@ def _cone(contacts: int, friction: float, frictional: bool) -> csr_array:
     if not frictional:
         return csr_array(-one)
     push = [-one, 0 * one]
-    if friction >= _NO_LIMIT:
+    if friction >= NO_LIMIT:
         return csr_array(block_array([push]))
     scale = 1 / max(1.0, friction)
     rows = [[-scale * friction * one, scale * one], [-scale * friction * one, -scale * one]]
     # The sum of the two says μ f_n >= 0: with weak friction that is hardly felt.
-    return csr_array(block_array(rows if friction >= _WEAK else [*rows, push]))
+    return csr_array(block_array(rows if friction >= WEAK else [*rows, push]))

@@ -48,13 +48,23 @@ _ROUNDING = 1e3 * np.finfo(float).eps
 """Rounding of an overlap, in ⟨σ⟩, with what the estimate makes of it."""
 
 
+Before = tuple[ForceEquation, ConstrainedLeastSquares]
+"""The equation that the steps began with, and the problem of the last one."""
+
+
 def geometric_problem(
-    equation: ForceEquation, noise: NoiseModel, φ: Floats, told: MeanStress = NOTHING
+    equation: ForceEquation,
+    noise: NoiseModel,
+    φ: Floats,
+    told: MeanStress = NOTHING,
+    before: Before | None = None,
 ) -> tuple[ConstrainedLeastSquares, csr_array, csr_array]:
     """The problem in (y ; φ_t) linearised at φ = f/κ, with its B and C.
 
     Lengths in it (φ_t and the right-hand side C y) are in `noise.unit`, so that it has no unit.
     """
+    start = None if before is None else before[0].matrices.transverse
+    last = None if before is None else before[1]
     matrices, network = equation.matrices, equation.network
     B = equation.stiffened(noise.overlaps(network))
     C = csr_array(matrices.M_normal @ B + noise.balance(network, φ))
@@ -63,7 +73,7 @@ def geometric_problem(
     stress, c = stress_conditions(equation, noise, told), network.contacts
     of_stress = [stress.of_noise(B) / noise.unit]
     if equation.frictional:
-        matrices.transverse.require_full_rank()
+        matrices.transverse.require_full_rank(start)
         free = moments_left_free(equation, noise.loads)
         blocks += [-matrices.M_tangential, free]
         of_stress += [stress.rows[:, c:], csr_array((len(stress.sums), free.shape[1]))]
@@ -75,7 +85,7 @@ def geometric_problem(
     name = "optimal estimate from sizes and distances"
     moments = blocks[-1].shape[1] if equation.frictional else 0
     places = places_of(equation, at, moments, rows=len(stress.sums))
-    return ConstrainedLeastSquares(weights, conditions, name, places), B, C
+    return ConstrainedLeastSquares(weights, conditions, name, places, last), B, C
 
 
 def size_problem(
@@ -129,9 +139,11 @@ def optimal_forces(
     c, k = equation.network.contacts, noise.count
     y, φ = np.zeros(k), np.zeros(equation.unknowns)
     here, previous, change = equation, np.inf, np.inf
+    before: Before | None = None
     scaled = row_scale(load_columns(equation, noise), unit)
     for step in range(_MOST_STEPS):
-        problem, B, C = geometric_problem(here, noise, φ, told)
+        problem, B, C = geometric_problem(here, noise, φ, told, before)
+        before = equation, problem
         δ = here.stiffened(here.overlaps)
         stress = stress_conditions(here, noise, told)
         of_stress = stress.sums - stress.rows[:, :c] @ (δ + B @ y)

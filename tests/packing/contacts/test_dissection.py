@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csc_array, csr_array, eye_array
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 from scipy.spatial import Delaunay
 
-from packing.contacts.dissection import nested_dissection, smallest_cover
+from packing.contacts.dissection import dissection, nested_dissection, smallest_cover
 
 
 def triangulation(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -36,6 +37,25 @@ def test_every_grain_once(count, periodic):
     pairs = rng.integers(0, count, (2 * count, 2)) if periodic else np.empty((0, 2), int)
     order = nested_dissection(rng.uniform(size=(count, 2)), pairs)
     assert np.array_equal(np.sort(order), np.arange(count))
+
+
+def test_halves_on_both_sides_of_a_separator_do_not_meet():
+    """The last part is the first separator: without it the rest falls into two."""
+    positions, pairs = triangulation(700, 3)
+    parts = dissection(positions, pairs, 16)
+    assert (parts.starts[0], parts.starts[-1]) == (0, 700)
+    assert np.diff(parts.starts).min() > 0
+    assert np.array_equal(parts.order, nested_dissection(positions, pairs))
+    rank = np.argsort(parts.order)
+    inside = (rank[pairs] < parts.starts[-2]).all(axis=1)
+
+    def pieces(of: np.ndarray) -> int:
+        graph = csr_array((np.ones(len(of)), tuple(of.T)), shape=(700, 700))
+        return connected_components(graph, directed=False)[0]
+
+    assert pieces(pairs) == 1
+    separator = 700 - parts.starts[-2]
+    assert pieces(pairs[inside]) >= separator + 2
 
 
 def test_grains_in_one_place_are_ordered_too():
