@@ -63,8 +63,8 @@ def polished(
     """Bring ``state`` (changed in place: positions, cell, history) to equilibrium.
 
     Raises PolishFailed when the tangent is singular or the residual stops falling above
-    ``tolerance`` (in p) and round-off; the state is then as it was.  In ``large`` cells groups that
-    are not balanced are held back (``dem.balance.shift``).
+    ``tolerance`` (in p) and round-off; the state is then as it was.  In ``large`` cells groups
+    that are not balanced are held back (``dem.balance.shift``).
     """
     pressure = balance.pressure
     floor = _rounding_of_sums(balance)
