@@ -14,6 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from dem.balance.contact_forces import ContactForces
+from dem.balance.shift import Shift
 from dem.balance.tangent import PIN, Equilibrium
 from dem.balance.trial import Trial
 from dem.model.law import ContactLaw
@@ -31,10 +32,6 @@ FEWER = 0.7
 #: A longer move (mean diameters) means that the tangent is singular: not near rest.  The moves of
 #: long waves grow with the cell: in cells wider than so many diameters a move may be longer.
 LONGEST_MOVE, WIDE = 0.2, 350.0
-#: Diagonal shift of the tangent, in κ, per residual/p of the grains within so many contacts.  It
-#: vanishes as Newton converges; where nothing holds a group of grains it lets them move by ~ Δ,
-#: off their contacts, and no further, and all others go on at full speed.
-SHIFT, RINGS = 1.0, 3
 #: Largest f_n - κ overlap after the last moves, in κ ε L: more, and they were not linear.
 LAG = 10
 #: Refinements of the forces once positions can do no more, and times that contacts may be opened.
@@ -60,15 +57,18 @@ def polish(
     return polished(Equilibrium(state, near, law, pressure), state, tolerance)
 
 
-def polished(balance: Equilibrium, state: State, tolerance: float = 1e-9) -> ContactForces:
+def polished(
+    balance: Equilibrium, state: State, tolerance: float = 1e-9, large: bool = False
+) -> ContactForces:
     """Bring ``state`` (changed in place: positions, cell, history) to equilibrium.
 
     Raises PolishFailed when the tangent is singular or the residual stops falling above
-    ``tolerance`` (in p) and round-off; the state is then as it was.
+    ``tolerance`` (in p) and round-off; the state is then as it was.  In ``large`` cells groups
+    that are not balanced are held back (``dem.balance.shift``).
     """
     pressure = balance.pressure
     floor = _rounding_of_sums(balance)
-    kept, iterations = newton(balance, floor, max(tolerance * pressure, 100 * floor))
+    kept, iterations = newton(balance, floor, max(tolerance * pressure, 100 * floor), large)
     forces, y = _carry(balance, kept, pressure, iterations)
     balance.put(state, y, forces)
     return forces
@@ -79,7 +79,9 @@ def _rounding_of_sums(balance: Equilibrium) -> float:
     return float(10 * balance.stiffness * np.finfo(float).eps)
 
 
-def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]:
+def newton(
+    balance: Equilibrium, floor: float, good: float, large: bool = False
+) -> tuple[Trial, int]:
     """The trial of the smallest residual, and the number of iterations.
 
     Ends at a residual of ``floor``, or when it stalls below ``good``; stalled above: PolishFailed.
@@ -90,6 +92,7 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
     trial = kept = balance.trial(y)
     best = lowest = fewest = np.inf
     stalled = iterations = 0
+    shift = Shift(balance.count, large, good / pressure)
     while iterations < ITERATIONS:
         residual = trial.residual(trial.normal, trial.tangential)
         worst, grains = float(np.abs(residual).max()), _worst_of_grains(residual) / pressure
@@ -105,9 +108,7 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
         patience = PATIENCE if best > good else PATIENCE_AT_ROUND_OFF
         if worst <= floor or stalled > patience:
             break
-        move = _newton_step(balance, trial, np.maximum(PIN, SHIFT * _around(trial, grains)))(
-            residual
-        )
+        move = _newton_step(balance, trial, np.maximum(PIN, shift(trial, grains)))(residual)
         if not np.abs(move).max() < longest:  # also when it is NaN
             raise PolishFailed(f"a Newton step of {np.abs(move).max():.3g} ⟨σ⟩", iterations)
         y = y + move
@@ -121,16 +122,6 @@ def newton(balance: Equilibrium, floor: float, good: float) -> tuple[Trial, int]
 def _worst_of_grains(residual: Floats) -> Floats:
     """The largest component of the residual of every grain ``(N,)``."""
     return np.abs(residual[:-1]).reshape(3, -1).max(axis=0)
-
-
-def _around(trial: Trial, values: Floats) -> Floats:
-    """The largest of ``values`` (N,) among the grains within RINGS contacts of each."""
-    i, j = trial.near.columns[:, trial.bearing]
-    for _ in range(RINGS):
-        inner, values = values, values.copy()
-        np.maximum.at(values, i, inner[j])
-        np.maximum.at(values, j, inner[i])
-    return values
 
 
 def _newton_step(

@@ -12,6 +12,7 @@ from math import ceil, sqrt
 import numpy as np
 
 from dem.model.drive import Drive
+from dem.model.large_cells import MANY
 from dem.model.law import ContactLaw, stable_time_step
 from dem.motion.backends import kernel_of
 from dem.motion.simulation import MOST_STEPS, Simulation
@@ -24,6 +25,15 @@ from packing.arguments.arrays import Floats
 #: float32 knows a gap to 6e-8 ⟨σ⟩ and leaves residuals of 5e-7/Δ p: a percent here.  Below, grains
 #: rattle faster than the speed of rest: up to twice the steps at 1e-5, no rest at 1e-6.
 SMALLEST_IN_SINGLE = 1e-4
+#: The drag after a failed polish, in that of the settings: what still moves drifts against it.
+TAIL_DRAG = 0.5
+#: In large cells the drag holds back long waves.  It falls once the mean speed is this times the
+#: width √N of the cell (√(p/ρ)): when grains no longer change neighbours.  Lowered sooner, it
+#: would change Z (docs/trade.md).
+CREEPING = 3e-7
+#: What it falls to, in that of the settings: this, or less where the longest wave would be damped
+#: more than critically, at 2 c k with k = 2π/√N and a measured c = 0.5 √(κ/ρ).
+WAVES_DRAG, CRITICAL = 0.3, 2 * 0.5 * 2 * np.pi
 #: Overlaps foreseen on the way to rest, in Δ: a law that is not linear is as stiff as it is there.
 DEEPEST = 10.0
 
@@ -76,6 +86,14 @@ class Plan:
                 "100 inertial times"
             )
         return cls(law, drive, dt, inertial, ceil(steps))
+
+    def tail_drive(self, scene: Scene, settings: Settings, failed: bool) -> Drive:
+        """With less drag, for the end of a relaxation: of a large cell, or after a ``failed``
+        polish."""
+        drag = TAIL_DRAG if failed else 1.0
+        if scene.grains > MANY:
+            drag = min(WAVES_DRAG, CRITICAL / sqrt(scene.delta * scene.grains))
+        return drive_of(scene, drag * settings.drag / self.inertial)
 
     def simulation(self, state: State, settings: Settings) -> Simulation:
         """``state``, moved as planned."""

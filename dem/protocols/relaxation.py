@@ -1,8 +1,10 @@
 """Grains under pressure and drag until they rest: compress, look, polish, and try again.
 
 Integration ends when the mean speed is below ``Settings.speed`` √(p/ρ) and the pressure is that of
-the scene; Newton's method on the contacts does the rest.  Where it fails (a group of grains still
-leaving its last contacts), integration goes on with half the drag and it is tried again.
+the scene; Newton's method on the contacts does the rest.  In large cells the drag falls before,
+when grains no longer change neighbours (``Plan.tail_drive``).  Where the method fails (a group of
+grains still leaving its last contacts), integration goes on with half the drag and it is tried
+again.
 """
 
 from __future__ import annotations
@@ -12,11 +14,12 @@ import numpy as np
 from dem.balance.contact_forces import ContactForces
 from dem.balance.missed_contacts import NotThisPacking
 from dem.balance.newton import PolishFailed
+from dem.model.large_cells import MANY
 from dem.model.neighbour_list import Neighbours
 from dem.motion.simulation import Simulation
 from dem.motion.state import State
 from dem.protocols.not_relaxed import NotRelaxed
-from dem.protocols.plan import Plan, drive_of
+from dem.protocols.plan import CREEPING, Plan
 from dem.protocols.progress import RelaxationBar
 from dem.protocols.record_at_rest import record_at_rest
 from dem.protocols.settling import settle
@@ -36,8 +39,6 @@ WAIT = 10_000
 RETRY = 10.0
 #: But no sooner than after time steps that cost what failed: so many an iteration of Newton's.
 STEPS_OF_ITERATION = 300
-#: The drag after a failed polish, in that of the settings: what still moves drifts against it.
-TAIL_DRAG = 0.5
 
 
 def come_to_rest(
@@ -89,6 +90,8 @@ class _Relaxation:
         self.steps, self.speed, self.pressure_error = 0, np.inf, np.inf
         self.target, self.why = settings.awaited(scene.grains), ""
         self.soonest, self.again = 0, self.plan.limit
+        many = scene.grains > MANY
+        self.creeping = CREEPING * float(np.sqrt(scene.grains)) if many else 0.0
 
     def compress(self, bar: RelaxationBar) -> None:
         """A stride of time steps, and a look."""
@@ -96,6 +99,9 @@ class _Relaxation:
         self.steps += STRIDE
         self.speed = self.simulation.state.mean_speed * self.plan.inertial
         self.pressure_error = self._pressure_error()
+        if self.speed < self.creeping:
+            self.simulation.drive = self.plan.tail_drive(self.scene, self.settings, failed=False)
+            self.creeping = 0.0
         bar.show(self.steps, self.speed, self.pressure_error)
 
     def _pressure_error(self) -> float:
@@ -137,8 +143,7 @@ class _Relaxation:
         self.target, self.why = self.speed / 3, f" ({failure})"
         self.soonest = self.steps + STEPS_OF_ITERATION * failure.iterations
         self.again = self.steps + int(RETRY * self.plan.inertial / self.plan.dt)
-        drag = TAIL_DRAG * self.settings.drag / self.plan.inertial
-        self.simulation.drive = drive_of(self.scene, drag)
+        self.simulation.drive = self.plan.tail_drive(self.scene, self.settings, failed=True)
         bar.failed(self.target)
 
     def restless(self) -> NotRelaxed:

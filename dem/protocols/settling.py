@@ -8,6 +8,7 @@ from dem.balance.newton import PolishFailed, polished
 from dem.balance.rattlers import NoRoom, free_rattlers
 from dem.balance.tangent import Equilibrium
 from dem.balance.walled import WalledEquilibrium
+from dem.model.large_cells import MANY
 from dem.model.neighbour_list import Neighbours
 from dem.motion.simulation import Simulation
 from dem.scene import Scene
@@ -28,7 +29,7 @@ def settle(
         balance = WalledEquilibrium(state, near, law, scene.pressure, simulation.drive)
         near = balance.near
     if settings.polish:
-        forces = polished(balance, state, settings.residual_tolerance)
+        forces = polished(balance, state, settings.residual_tolerance, scene.grains > MANY)
         if forces.residual > settings.residual_tolerance:
             raise PolishFailed(f"residual {forces.residual:.2e} p")
     else:

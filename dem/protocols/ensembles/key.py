@@ -12,6 +12,7 @@ import json
 from dataclasses import MISSING, fields
 from typing import Any
 
+from dem.model.large_cells import MANY
 from dem.motion.backends import resolve_backend
 from dem.protocols.relax import CONTINUED_BELOW
 from dem.scene import Scene
@@ -20,6 +21,8 @@ from packing.arguments.numbers import instance, seed_number
 
 #: Part of the key: raise it when ``relax`` changes what it returns for a seed.
 ALGORITHM = 9
+#: The same for packings of more than ``MANY`` grains, whose drag falls at the end.
+LARGE_CELLS = 1
 #: The same for packings with Δ < 1e-6, which are continued from 1e-6.
 CONTINUATION = 1
 #: Part of the key: how it is made; 1 had the fields at their defaults, too.
@@ -63,6 +66,8 @@ def packing_key(scene: Scene, seed: int, settings: Settings) -> str:
         "format": FORMAT,
         "algorithm": ALGORITHM,
     }
+    if scene.grains > MANY:
+        facts["large cells"] = LARGE_CELLS
     if settings.polish and scene.delta < CONTINUED_BELOW:
         facts["continuation"] = CONTINUATION
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]

@@ -9,6 +9,7 @@ import pytest
 
 import dem.balance.newton as polish_module
 from dem import ContactLaw, Drive, History, NotRelaxed, Scene, Settings, State, relax, step
+from dem.balance import shift
 from dem.balance.newton import PolishFailed, polish
 from dem.balance.tangent import PIN, Equilibrium
 from dem.motion.neighbours import find_neighbours
@@ -95,7 +96,7 @@ def test_shift_lets_go_of_what_nothing_holds(monkeypatch, delta, slip, seed):
     p, law = packing(grains=32, delta=delta, seed=seed), ContactLaw()
     state = with_a_roller(p, slip)
     assert polish(state, find_neighbours(state, 0.1), law, p.pressure).residual <= 1e-9
-    monkeypatch.setattr(polish_module, "SHIFT", PIN)
+    monkeypatch.setattr(shift, "SHIFT", PIN)
     state = with_a_roller(p, slip)
     with pytest.raises(PolishFailed, match="a Newton step of"):
         polish(state, find_neighbours(state, 0.1), law, p.pressure)
@@ -140,7 +141,7 @@ def test_tolerance_of_the_settings_is_that_of_newton(monkeypatch):
     seen = []
     real = polish_module.newton
 
-    def spy(balance, floor, good):
+    def spy(balance, floor, good, large):
         seen.append(good)
         return real(balance, floor, good)
 
@@ -241,7 +242,7 @@ def test_a_group_that_moves_damps_its_neighbours_alone(monkeypatch, rings):
         return real(balance, trial, shift)
 
     monkeypatch.setattr(Equilibrium, "factorise", spy)
-    monkeypatch.setattr(polish_module, "RINGS", rings)
+    monkeypatch.setattr(shift, "RINGS", rings)
     state = with_a_roller(p, 2.0)
     polish(state, find_neighbours(state, 0.1), ContactLaw(), p.pressure)
     first, roller = shifts[0], len(p.radii)
