@@ -40,6 +40,7 @@ Of docs/trade.md:
 
 dem_trade     what each setting of the DEM costs and what it changes
 same_packing  whether Newton's method ends in the same packing whenever time steps stop
+late_drag     what a lower drag at the end of large cells changes, and saves
 same_statistics  whether Z, φ and P(f) are those that time steps alone would reach
 hertz         packings of elastic spheres: rest, prefactor, and the cost of reading them as linear
 between_walls  what walls and weight do to Eq. 1: rank, condition, the cost of a length

@@ -26,6 +26,7 @@ from studies.packings import (
     continuation,
     dem_trade,
     hertz,
+    late_drag,
     ramps,
     same_packing,
     same_statistics,
@@ -95,6 +96,14 @@ def _ensembles(run: Run) -> None:
     table = np.concatenate(tables)
     run.keep("same_statistics", same_statistics.text(table))
     run.write("same_statistics", table)
+
+
+def _late(run: Run) -> None:
+    grains, seeds = (10_000, 4) if run.full else (300, 3)
+    with run.pool() as pool:
+        table = late_drag.compute(pool, grains, (1e-2, 1e-4), range(1, 1 + seeds))
+    run.keep("late_drag", late_drag.text(table))
+    run.write("late_drag", table)
 
 
 def _spheres(run: Run) -> None:
@@ -177,6 +186,7 @@ STUDIES: dict[str, Study] = {
     "photoelastic": _of_others("photoelastic", photoelastic.lines),
     "million_grains": _million,
     "dem_trade": _settings, "same_packing": _resting, "same_statistics": _ensembles,
+    "late_drag": _late,
     "hertz": _spheres, "between_walls": _walls, "sandpile": _sand, "silo": _silo,
     "ramps": _pressures, "ramp_rates": _paces,
     "continuation": _continued, "rounding": _rounded, "floor": _no_noise,
