@@ -20,8 +20,8 @@ PAGES = [
 ]
 SHOWN = (
     "step_cost", "size", "numbering", "precision", "polish_cost", "ramp_rates", "continuation",
-    "large_packings", "cost_model", "error_theory", "same_statistics", "hertz", "lammps_hertz",
-    "c_step", "between_walls", "lammps_walls", "lammps_wall_step",
+    "large_packings", "cost_model", "error_theory", "same_statistics", "late_drag", "hertz",
+    "lammps_hertz", "c_step", "between_walls", "lammps_walls", "lammps_wall_step",
 )  # fmt: skip
 
 

@@ -8,14 +8,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dem import relax
+from dem import Scene, relax
 from paper_figs.pages import floor as drawn_floor
 from paper_figs.pages import ramps as drawn_ramps
 from paper_figs.pages import rounding as drawn_rounding
 from scaling import amplification_of
 from studies.estimators import coverage, stress
 from studies.experiment import floor, rounding
-from studies.packings import between_walls, dem_trade, ramps, same_packing, same_statistics
+from studies.packings import (
+    between_walls,
+    dem_trade,
+    late_drag,
+    ramps,
+    same_packing,
+    same_statistics,
+)
 from studies.prefactors import finite_size, measures
 from tests.conftest import packing
 
@@ -179,3 +186,15 @@ def test_a_length_costs_what_it_is_told_to_precisely_and_nothing_else_does(monke
     assert table["common"][~lengths].max() < 0.01
     assert table["common"][lengths].min() > 0.1
     assert between_walls.text(table).count("\n| rough walls |") == 2
+
+
+def test_late_drag_lowers_it_and_leaves_relax_as_it_was():
+    """The first way is ``relax`` itself; one lowered from afar is not, or nothing is shown."""
+    rows = np.array(late_drag.measure((60, 1e-2, 1)), late_drag.TABLE)
+    assert list(rows["how"]) == list(late_drag.HOW)
+    plain = relax(Scene(60, 1e-2), 1, progress=False)
+    assert rows["spread"][0] == same_statistics.statistics(plain)[2]
+    assert rows["sliding"][0] == late_drag.near_sliding(plain)
+    assert rows["spread"][3] != rows["spread"][0]
+    again = relax(Scene(60, 1e-2), 1, progress=False)
+    assert (again.forces == plain.forces).all()
