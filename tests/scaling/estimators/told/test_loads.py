@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from packing.boundary import Walls
 from scaling import ContactNetwork, error_map, force_equation, perturb, reconstruct, relative_error
 from scaling.estimators import Bounded
 from scaling.estimators.bounded.draws.projected_draws import posterior_draws
 from scaling.estimators.told.loads import load_errors
 from tests.conftest import packing
 from tests.scaling.packings import network_of
+from tests.scaling.worlds import packing_in
 
 XI = 3e-4
 METHODS = ("optimal", "bounded")
@@ -294,3 +296,42 @@ def test_error_maps_have_no_noise_of_loads():
     with pytest.raises(ValueError, match="errors are per noise of the geometry"):
         error_map(part, "optimal", "position", forces=f, stiffness=p.stiffness, loads=1e-3)
     assert load_errors(force_equation(part), None).shape[1] == 0
+
+
+def with_wall_force(method, factor, **more):
+    """Forces of a packing between walls, one of which was weighed and is told `factor` times that
+    (NaN: not weighed), and the packing."""
+    p = packing_in("frictional")
+    n = ContactNetwork.from_packing(p)
+    noisy = perturb(n, XI, np.random.default_rng(3), "position")
+    walls = Walls(n.walls.normals, n.walls.offsets, factor * n.walls.loads)
+    held = ContactNetwork(
+        noisy.positions, noisy.radii, n.pairs, cell=n.cell, images=n.images, walls=walls
+    )
+    if "loads" in more:
+        more["loads"] *= np.nanmax(n.walls.loads)
+    if method == "bounded":
+        more["pressure"] = "unknown"
+    return solved(held, p, method, **more).forces, p
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_wall_that_was_weighed_wrong_is_mended_where_its_error_is_told(method):
+    """Told as exact, the control, a force that is a fifth off spoils all others."""
+    (right, p), (wrong, _) = (with_wall_force(method, factor) for factor in (1.0, 1.2))
+    told, _ = with_wall_force(method, 1.2, loads=0.2)
+    least, spoilt, mended = (relative_error(f, p.forces) for f in (right, wrong, told))
+    assert mended < 1.2 * least
+    assert spoilt > 3 * least
+    strong, _ = with_wall_force(method, 1.0, loads=1e-7)
+    assert strong == pytest.approx(right, abs=1e-6 * np.abs(right).max())
+
+
+def test_a_wall_force_with_an_infinite_error_is_not_told():
+    """`optimal` then has what it has of a wall that nobody weighed."""
+    nothing, _ = with_wall_force("optimal", np.nan)
+    weak, _ = with_wall_force("optimal", 1.0, loads=1e6)
+    exact, _ = with_wall_force("optimal", 1.0)
+    size = np.abs(nothing).max()
+    assert weak == pytest.approx(nothing, abs=1e-6 * size)
+    assert np.abs(exact - nothing).max() > 1e-3 * size
