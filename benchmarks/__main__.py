@@ -38,7 +38,7 @@ from benchmarks.other_codes import (
     lammps_wall_step,
     lammps_walls,
 )
-from dem import Scene, refine, relax
+from dem import Scene, Settings, refine, relax
 from studies.command_line import one_of, parser
 from studies.run import Run
 
@@ -149,6 +149,12 @@ def _large(run: Run) -> None:
         run.keep("cost_model", cost_model.text(table))
 
 
+def _million(run: Run) -> None:
+    case = (1_000_000 if run.full else 3000, 1e-2, 1)
+    table = large_packings.compute([case], settings=Settings(polish=False))
+    run.keep("million_at_rest", large_packings.text(table))
+
+
 def _theory(run: Run) -> None:
     table = error_theory.compute((1, 3, 10) if run.full else (1, 2))
     run.keep("error_theory", error_theory.text(table))
@@ -163,7 +169,7 @@ PARTS: dict[str, Callable[[Run], None]] = {
     "lammps_walls": _walls,
     "solvers": _equation, "solve_times": _estimators,
     "quadratic_programs": _programs,
-    "relaxation": _rest, "large_packings": _large,
+    "relaxation": _rest, "large_packings": _large, "million_at_rest": _million,
     "error_theory": _theory,
 }  # fmt: skip
 

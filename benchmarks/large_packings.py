@@ -36,7 +36,7 @@ FADING = 1e-3
 Case = tuple[int, float, int]
 
 
-def measure(case: Case) -> dict[str, float]:
+def measure(case: Case, settings: Settings = Settings()) -> dict[str, float]:  # noqa: B008
     """One packing: a row of the table."""
     relax(Scene(16, 1e-2), 0, progress=False)  # what is compiled for the first is not timed
     grains, delta, seed = case
@@ -57,7 +57,7 @@ def measure(case: Case) -> dict[str, float]:
 
     begin = time.process_time()
     with patch.object(module, "polished", timed):
-        packing = relax(Scene(grains, delta), seed, progress=False)
+        packing = relax(Scene(grains, delta), seed, settings=settings, progress=False)
     seconds = time.process_time() - begin
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return {
@@ -80,16 +80,20 @@ def _statistics(packing: Packing) -> dict[str, float]:
     }
 
 
-def compute(cases: Iterable[Case], folder: Path = KEPT) -> np.ndarray:
+def compute(
+    cases: Iterable[Case],
+    folder: Path = KEPT,
+    settings: Settings = Settings(),  # noqa: B008  (frozen)
+) -> np.ndarray:
     """The rows of the cases ``(N, Δ, seed)``, each kept in ``folder``."""
     rows = []
     folder.mkdir(parents=True, exist_ok=True)
     with multiprocessing.get_context("spawn").Pool(1, maxtasksperchild=1) as pool:
         for case in cases:
             grains, delta, seed = case
-            kept = folder / f"{packing_key(Scene(grains, delta), seed, Settings())}.json"
+            kept = folder / f"{packing_key(Scene(grains, delta), seed, settings)}.json"
             if not kept.exists():
-                row = pool.apply(measure, (case,))
+                row = pool.apply(measure, (case, settings))
                 kept.write_text(json.dumps(row) + "\n")
             row = json.loads(kept.read_text())
             rows.append(tuple(row[k] for k in TABLE.names or ()))

@@ -32,8 +32,8 @@ class Solved:
     ----------
     values : (n,) or (n, k)
     error : |δu|/|u|, of the worst of the k columns
-    solver : "dense", "factor", "lsmr", "clarabel", "barrier", or "none" if nothing was
-        to solve
+    solver : "dense", "factor", "lsmr", "clarabel", "barrier", or "none" if there
+        was nothing to solve
     """
 
     values: Floats

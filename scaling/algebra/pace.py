@@ -5,7 +5,8 @@ With H = AᵀA + w BᵀB the multipliers obey λ ← S λ + const.,
     S = 1 - w B H⁻¹Bᵀ ,     q = the largest eigenvalue of S below 1
 
 Eigenvalues of exactly 1 belong to redundant conditions, Bᵀv = 0, and move no u. All others are
-those of the iteration; a block of vectors under S, grown until it holds one, shows the largest.
+those of the iteration. A block of vectors under S, grown until it holds one below 1, finds the
+largest from below, to the square of what its vectors are off.
 Where that shows nothing, the rows of B do: with s_min their smallest singular value that is not 0
 
     q <= |A|²/(|A|² + w s_min²)
@@ -42,7 +43,7 @@ _WEAK_BLOCKS = (64, 512)
 
 @dataclass(frozen=True, eq=False)
 class Pace:
-    """q, at most, and an orthonormal basis of the redundant conditions (m, z), if it is known."""
+    """q as it was found, and an orthonormal basis of the redundant conditions (m, z), if known."""
 
     most: float
     redundant: Floats | None = None
